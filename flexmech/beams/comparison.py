@@ -28,10 +28,8 @@ from flexmech.linear_system import (
     rigid_link,
 )
 from flexmech.linkages import (
-    JointSpring,
     LinkMass,
     RigidMotion,
-    Spring,
     Topology,
     connections,
     picture_crank_angle,
@@ -135,53 +133,45 @@ def _links_of(mechanism: Mechanism) -> _Links:
         )
         for link in topology.links
     )
-    motion = _configurations(mechanism)
-    return _Links(
-        topology,
-        sections,
-        mechanism.link_masses_in_order,
-        tuple(map(tuple, motion.angle.tolist())),
-        tuple(tuple(map(tuple, places)) for places in motion.origin.tolist()),
-        mechanism.springs,
-        mechanism.joint_springs,
-        mechanism,
-    )
+    motion, springs = _configurations(mechanism), (mechanism.springs, mechanism.joint_springs)
+    positions = motion.angle.tobytes(), motion.origin.tobytes()
+    key = topology, *positions, *springs
+    return _Links(sections, mechanism.link_masses_in_order, key, mechanism, motion)
 
 
 @dataclass(frozen=True)
 class _Links:
-    """Data on which frequencies at rest depend, as a key of the cache.
+    """Links of a mechanism at rest; equal ones have the same frequencies.
 
-    The mechanism is that whose springs these are.
+    Those depend on the sections, masses and what else the key has.
     """
 
-    topology: Topology
     sections: tuple[BeamSection | None, ...]
     masses: tuple[LinkMass, ...]
-    angles: tuple[tuple[float, ...], ...]
-    origins: tuple[tuple[tuple[float, ...], ...], ...]
-    springs: tuple[Spring, ...]
-    joint_springs: tuple[JointSpring, ...]
+    key: Hashable
     mechanism: Mechanism = field(compare=False)
+    motion: RigidMotion = field(compare=False)
 
     @property
-    def motion(self) -> RigidMotion:
-        """The linkage at rest."""
-        angle, places = np.array(self.angles), np.array(self.origins)
-        still, nowhere = np.zeros(angle.shape), np.zeros((*angle.shape, 2))
-        return RigidMotion(still[:, 0], still[:, 0], angle, still, still, places, nowhere, nowhere)
+    def topology(self) -> Topology:
+        return self.mechanism.linkage.topology
+
+    @property
+    def springs(self) -> bool:
+        """Whether springs act on the links."""
+        return bool(self.mechanism.springs or self.mechanism.joint_springs)
 
     @property
     def likeness(self) -> Hashable | None:
         """What several must have in common to be computed at once; None of one by itself."""
-        if self.springs or self.joint_springs or None in self.sections:
+        if self.springs or None in self.sections:
             return None
         if any(section is not None and section.is_eccentric for section in self.sections):
             return None
         if any(mass.bodies or not mass.mass_per_length for mass in self.masses):
             return None
         points = tuple(len(mass.point_masses) for mass in self.masses)
-        return connections(self.mechanism.linkage), points, len(self.angles)
+        return connections(self.mechanism.linkage), points, len(self.motion.crank_angle)
 
 
 def _configurations(mechanism: Mechanism) -> RigidMotion:
@@ -286,7 +276,7 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
     motion, still = links.motion, RotationTerms.all_or_none(False)
     frames = LinkFrames(links.topology, chains)
     system = frames.assemble(motion, [chain.stiffness for chain in chains], still)
-    if links.springs or links.joint_springs:
+    if links.springs:
         system = Connectors(links.mechanism, chains).added(frames, motion, system, still, "none")
     with one_thread():
         squares = [

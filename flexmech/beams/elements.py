@@ -2,7 +2,7 @@
 
 Coordinates of an element are those of its two nodes, one node after the other: displacement
 of the pins' axis along and across, rotation of the section, and what else the element has
-(:mod:`flexmech.beams.beam_shapes`). Gauss points integrate every product exactly.
+(:mod:`flexmech.beams.theories`). Gauss points integrate every product exactly.
 """
 
 from __future__ import annotations
@@ -14,8 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
-from flexmech.beams.beam_shapes import BeamFields, BeamShapes
-from flexmech.beams.theories import EulerBernoulli, Reddy, Timoshenko, ZigzagBeam
+from flexmech.beams.theories import (
+    BeamFields,
+    BeamShapes,
+    EulerBernoulli,
+    Reddy,
+    Timoshenko,
+    ZigzagBeam,
+)
 from flexmech.sections import BeamSection, SectionStack
 
 # Which of a node's coordinates is the rotation of the section, in all theories.

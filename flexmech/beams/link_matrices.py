@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import ROTATION, BeamElements
+from flexmech.beams.theories import BeamShapes
 from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, chain_matrix
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions

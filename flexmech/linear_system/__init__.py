@@ -1,43 +1,45 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
-from flexmech.linear_system.assembly.balanced_loads import (
-    LAST_STEP,
-    LOAD_STEPS,
-    MAX_ITERATIONS,
-    BalancedLoads,
-    refuse_large_displacements,
-)
-from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism, stack_batches
-from flexmech.linear_system.assembly.constant_turn import (
+from flexmech.linear_system.assembly.engine import (
+    Engine,
     all_constant,
     has_constant_tangents,
     has_relative_motion,
     is_constant_turn,
     stressed_along_turn,
 )
-from flexmech.linear_system.assembly.element_kinds import (
+from flexmech.linear_system.assembly.engine_parameters import (
     COMPRESSED,
     NEGLIGIBLE,
     RESTRAINED_ENDS,
     TheoryComparison,
     TheoryDifference,
+    check_elastic,
+    checked_mechanism,
 )
-from flexmech.linear_system.assembly.engine import Engine
-from flexmech.linear_system.assembly.engine_stack import MechanismStack, likeness, stack_engines
-from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
-from flexmech.linear_system.assembly.section_forces import DisplacedLinks
-from flexmech.linear_system.assembly.straight_links import (
-    StraightForces,
+from flexmech.linear_system.assembly.engine_stack import (
+    MechanismStack,
+    likeness,
+    stack_batches,
+    stack_engines,
+)
+from flexmech.linear_system.assembly.prestress import (
+    LAST_STEP,
+    LOAD_STEPS,
+    MAX_ITERATIONS,
+    BalancedLoads,
     element_tensions,
+    refuse_large_displacements,
     straight_forces,
     ties_beyond_pins,
     with_rigid_links,
 )
-from flexmech.linear_system.assembly.system import LinearSystem, condense
+from flexmech.linear_system.assembly.section_forces import DisplacedLinks
+from flexmech.linear_system.assembly.system import LinearSystem, condense, point_rows
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.link_place import DependentRows
+from flexmech.linear_system.joints.link_ties import DependentRows
 from flexmech.linear_system.joints.position_errors import (
     LESS_LOADED,
     BucklingError,
@@ -62,16 +64,24 @@ from flexmech.linear_system.links.chains import (
     times,
 )
 from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink, inertia_loads
-from flexmech.linear_system.links.link_model import LinkModel, RigidFields
-from flexmech.linear_system.links.link_readings import LinkReadings
-from flexmech.linear_system.links.link_stretch import LinkStretch
+from flexmech.linear_system.links.link_model import (
+    LinkModel,
+    RigidFields,
+    StressedLinks,
+    rigid_link,
+)
+from flexmech.linear_system.links.link_readings import LinkReadings, LinkStretch
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
-from flexmech.linear_system.links.rigid_link import rigid_link
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
-from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
-from flexmech.linear_system.loads.connector_forces import (
+from flexmech.linear_system.loads.attached_points import (
+    AttachedPoint,
+    LinkPoint,
+    PointJacobian,
+    displacement_row,
+)
+from flexmech.linear_system.loads.connectors import (
     ConnectedMatrices,
+    Connectors,
     PointForce,
     acts_at_rest,
     connected_matrices,
@@ -79,7 +89,6 @@ from flexmech.linear_system.loads.connector_forces import (
     has_dampers,
     kinks_of,
 )
-from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linear_system.reduction.component_modes import (
     GREAT_DETAIL,
     ComponentModes,
@@ -133,7 +142,6 @@ __all__ = [
     "RigidGeometricStiffness",
     "RotationTerms",
     "StaticResponse",
-    "StraightForces",
     "StressedLinks",
     "SystemMatrices",
     "TheoryComparison",

@@ -29,7 +29,6 @@ from flexmech.linear_system import (
     LinkPoint,
     Prestress,
     RigidGeometricStiffness,
-    StraightForces,
     StressedLinks,
     TheoryComparison,
     acts_at_rest,
@@ -392,20 +391,24 @@ class ExudynEngine(Engine):
         tangents = [stiffened.get(number, own) for number, own in enumerate(tangent)]
         shaft = self.free_shaft
         if shaft is not None and (shaft.clamp.hub or links[shaft.link].rigid):
-            straight = with_rigid_links(self.frames, stiffened, self._straight(motion).stiffness)
+            _, stiffness = straight_forces(
+                self.mechanism,
+                self.rigid_joint_frames,
+                motion,
+                self._loads(motion),
+                connectors=self.connectors,
+            )
+            straight = with_rigid_links(self.frames, stiffened, stiffness)
             tangents[shaft.link] = straight.tangent[shaft.link]
         return StressedLinks(tangents, list(displacement), force, damping)
 
-    def _straight(self, motion: RigidMotion) -> StraightForces:
-        """Forces in straight links."""
-        frames, loads = self.rigid_joint_frames, self._loads(motion)
-        return straight_forces(self.mechanism, frames, motion, loads, connectors=self.connectors)
-
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""
-        straight = self._straight(motion)
-        loads, nodes = straight.loads, [link.readings.nodes for link in self.clamped_links]
-        tensions = element_tensions(self.mechanism, nodes, motion, straight.links)
+        loads, nodes = self._loads(motion), [link.readings.nodes for link in self.clamped_links]
+        forces, stiffness = straight_forces(
+            self.mechanism, self.rigid_joint_frames, motion, loads, connectors=self.connectors
+        )
+        tensions = element_tensions(nodes, forces)
         tangent = {
             n: self.clamped_links[n].stiffness + np.tensordot(tensions[n][..., 0], unit, axes=1)
             for n, unit in self._unit_tension.items()
@@ -413,4 +416,4 @@ class ExudynEngine(Engine):
         tangent = self._dead(motion, loads).add_stiffness(
             tangent, [np.zeros_like(load.T) for load in loads]
         )
-        return with_rigid_links(self.frames, tangent, straight.stiffness, loads)
+        return with_rigid_links(self.frames, tangent, stiffness, loads)

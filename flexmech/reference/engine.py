@@ -268,10 +268,9 @@ class ReferenceEngine(Engine):
         frames, designs = self.rigid_joint_frames, self.mechanism
         loads, found = self._loads(motion), None
         if not isinstance(designs, MechanismStack):
-            straight = straight_forces(
+            forces, found = straight_forces(
                 designs, frames, motion, loads, self._lumped, self.connectors
             )
-            forces, found = straight.links, straight.stiffness
         elif not ties_beyond_pins(frames):
             forces = designs.forces(motion)
         else:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from copy import copy
+import math
+from abc import abstractmethod
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import replace
-from typing import ClassVar, Self
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,38 +17,38 @@ from flexmech.choices import (
     MODES,
     MOST_MODES,
     PRESTRESS_LEVELS,
-    SHAFTS,
-    MassChoice,
     Prestress,
-    ShaftChoice,
 )
 from flexmech.errors import InputError
-from flexmech.linear_system.assembly.batches import (
-    BATCH_BYTES,
-    LEAST_BATCH,
-    check_elastic,
-    checked_elements,
-    checked_mechanism,
-    equal_batches,
-)
-from flexmech.linear_system.assembly.engine_links import EngineLinks
-from flexmech.linear_system.assembly.free_shaft import FreeShaft
-from flexmech.linear_system.assembly.reduced_system import assembled_system
-from flexmech.linear_system.assembly.system import LinearSystem
+from flexmech.linear_system.assembly.engine_parameters import EngineParameters, check_elastic
+from flexmech.linear_system.assembly.prestress import BalancedLoads, Solve, balanced_loads
+from flexmech.linear_system.assembly.system import LinearSystem, assembled_system
 from flexmech.linear_system.joints.carried_linkage import CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.position_errors import TooManyModesError
+from flexmech.linear_system.links.body_forces import (
+    DeadMoments,
+    DisplacedInertia,
+    turns_as_one_body,
+    without_spin_softening,
+)
+from flexmech.linear_system.links.link_inertia import inertia_loads
+from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
+from flexmech.linear_system.links.link_readings import LinkStretch
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
-from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linear_system.reduction.component_modes import ComponentModes, component_modes
-from flexmech.linkages import RigidMotion, lumped_elements
+from flexmech.linear_system.loads.connectors import ConnectedMatrices, Connectors
+from flexmech.linear_system.reduction.component_modes import (
+    ComponentModes,
+    FixedInterfaceLink,
+    component_modes,
+    fix_interfaces,
+)
+from flexmech.linkages import RigidMotion, Topology, lumped_elements
 from flexmech.linkages.motion import checked_drive
-from flexmech.mechanism import Mechanism
 from flexmech.validation import (
     POSITIVE,
     check_choice,
     check_count,
-    check_flag,
     check_number,
     checked_array,
 )
@@ -55,13 +57,20 @@ from flexmech.validation import (
 SYSTEM_MODES = MODES + 2
 # Cached reductions. Speed alone: a map over speeds needs some at each speed, and not again.
 KEPT_REDUCTIONS = 16
+# Working memory of a batch. Memory alone: what is alive at a time is independent of the map's size.
+BATCH_BYTES = 32_000_000
+# Speed alone: fewer positions take as long as these, however large their matrices are.
+LEAST_BATCH = 4
 
 
-class Engine(EngineLinks):
+class Engine(EngineParameters):
     """Turns a mechanism and crank positions into a :class:`LinearSystem`.
 
     An engine is a value: it does not change, and two that compute the same are equal.
     :meth:`with_` makes another one.
+
+    It gives the links in frames that rotate as prescribed, with the shaft's rotation at zero. That
+    of a free shaft is one more coordinate; it changes none of their states.
 
     Parameters
     ----------
@@ -93,6 +102,11 @@ class Engine(EngineLinks):
         Which of the mass models it has.
     free_shaft : FreeShaft or None
         The shaft, where it is free.
+    solves_connectors : bool
+        Whether the engine's own equilibrium includes loads and springs; otherwise their forces
+        are applied as loads.
+    members : tuple of Engine
+        Of a stack the engines of its designs; see :func:`flexmech.linear_system.stack_engines`.
     simulates : bool
         Whether the engine runs the linkage with large displacements; see
         :mod:`flexmech.time_domain.recorded_runs.states`.
@@ -103,117 +117,7 @@ class Engine(EngineLinks):
         If the mechanism is none, the element unknown or the number of elements no such.
     """
 
-    name: ClassVar[str]
-    simulates: ClassVar[bool] = False
-    masses: ClassVar[tuple[MassChoice, ...]] = ("distributed",)
-
-    def __init__(
-        self,
-        mechanism: Mechanism,
-        elements: int = 8,
-        element: str | None = None,
-        component_modes: bool = True,
-        modes: int = MODES,
-        shaft: ShaftChoice = "prescribed",
-        mass: MassChoice = "distributed",
-    ) -> None:
-        self.mechanism = checked_mechanism(mechanism)
-        self.elements = checked_elements(elements)
-        check_count(modes, "modes", most=MOST_MODES)
-        self.modes = modes
-        if element is not None:
-            check_choice(element, self.element_kinds, f"element of the {self.name} engine")
-        check_flag(component_modes, "component_modes")
-        self.element = self.default_element(mechanism, modes) if element is None else element
-        check_choice(mass, self.masses, f"mass of the {self.name} engine")
-        self.mass = mass
-        self.component_modes = component_modes and mass == "distributed"
-        self._component_modes_asked = component_modes
-        check_choice(shaft, SHAFTS, "shaft")
-        self.shaft = shaft
-        self.free_shaft = FreeShaft.of(mechanism) if shaft == "free" else None
-        self._element_asked = element
-        self._reductions: dict[tuple[int, tuple[float, ...], bool, float], ComponentModes] = {}
-
-    def with_(
-        self,
-        *,
-        mechanism: Mechanism | None = None,
-        elements: int | None = None,
-        element: str | None = None,
-        component_modes: bool | None = None,
-        modes: int | None = None,
-        shaft: ShaftChoice | None = None,
-        mass: MassChoice | None = None,
-    ) -> Self:
-        """Make a copy of the engine with some parameters changed.
-
-        Parameters
-        ----------
-        mechanism : Mechanism, optional
-            An element that was not asked for is chosen anew for it.
-        elements : int, optional
-        element : str, optional
-        component_modes : bool, optional
-        modes : int, optional
-            An element that was not asked for is chosen anew for them.
-        shaft : {"prescribed", "free"}, optional
-        mass : {"distributed", "lumped"}, optional
-
-        Returns
-        -------
-        Engine
-
-        Raises
-        ------
-        InputError
-            As of a new engine.
-        """
-        return type(self)(
-            self.mechanism if mechanism is None else mechanism,
-            self.elements if elements is None else elements,
-            self._element_asked if element is None else element,
-            self._component_modes_asked if component_modes is None else component_modes,
-            self.modes if modes is None else modes,
-            self.shaft if shaft is None else shaft,
-            self.mass if mass is None else mass,
-        )
-
-    def unreduced(self) -> Self:
-        """Make a copy without component modes that shares the link models."""
-        other = copy(self)
-        vars(other).update(component_modes=False, _component_modes_asked=False, _reductions={})
-        return other
-
-    def __repr__(self) -> str:
-        modes = "" if self.component_modes else ", without component modes"
-        if self.shaft == "free":
-            modes += ", shaft free"
-        if self.mass == "lumped":
-            modes = modes.replace("without component modes", "lumped masses")
-        name, plural = self.mechanism.provenance.name, "s" if self.elements > 1 else ""
-        beams = f"{self.elements} {self.element} element{plural} a link"
-        return f"{type(self).__name__}({name}, {beams}{modes})"
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Engine) or type(self) is not type(other):
-            return NotImplemented
-        return self._computes == other._computes and self.mechanism == other.mechanism
-
-    def __hash__(self) -> int:
-        # A mechanism has none, because its sections are in a dictionary.
-        return hash((type(self), self._computes, self.mechanism.provenance))
-
-    def __setattr__(self, name: str, value: object) -> None:
-        # What has been computed from an attribute would not follow it.
-        if name in vars(self):
-            raise AttributeError(f"an engine does not change; make another by with_({name}=...)")
-        super().__setattr__(name, value)
-
-    @property
-    def _computes(self) -> tuple[int, str, bool, str, str]:
-        """Parameters that determine the results, besides the mechanism."""
-        return self.elements, self.element, self.component_modes, self.shaft, self.mass
+    members: tuple[Engine, ...] = ()
 
     @property
     def lumped_mass_count(self) -> int:
@@ -223,34 +127,6 @@ class Engine(EngineLinks):
         topology = self.mechanism.linkage.topology
         elements = zip(self.mechanism.link_masses_in_order, lumped_elements(topology), strict=True)
         return sum(len(mass.lumps(count)) for mass, count in elements)
-
-    def check_runs(self) -> None:
-        """Refuse models that are for natural frequencies alone.
-
-        Raises
-        ------
-        InputError
-            If masses are lumped: between them nothing would move in time; or if all links are
-            rigid.
-        """
-        check_elastic(self.mechanism)
-        if self.mass == "lumped":
-            raise InputError(
-                "lumped masses are for natural frequencies; for motion in time make the engine "
-                'with mass="distributed"'
-            )
-
-    def fit_for(self, modes: int) -> Self:
-        """The engine with an element fit for so many natural frequencies, if none was asked for."""
-        if modes == self.modes or not self.chooses_element:
-            return self
-        other = self.with_(modes=modes)
-        return self if other.element == self.element else other
-
-    @property
-    def chooses_element(self) -> bool:
-        """Whether no element was asked for, so that the mechanism decides."""
-        return self._element_asked is None
 
     @property
     def designs(self) -> int | None:
@@ -342,15 +218,9 @@ class Engine(EngineLinks):
             greatest = greatest if terms.any else 0 * greatest
             loaded = not stressed.unstressed and any(t.ndim == 3 for t in stressed.tangent)
             reduction = self._reduction(modes or SYSTEM_MODES, greatest, loaded, detail)
-
-        def connect(
-            frames: LinkFrames, motion: RigidMotion, matrices: SystemMatrices
-        ) -> SystemMatrices:
-            return self.connectors.added(
-                frames, motion, matrices, terms, prestress, stressed.displacement
-            )
-
-        system = assembled_system(self.frames, reduction, motion, stressed, terms, connect)
+        system = assembled_system(
+            self.frames, reduction, motion, stressed, terms, self.connectors, prestress
+        )
         if reduction is None and modes is not None and system.size < modes:
             raise TooManyModesError(
                 f"modes: {modes} were asked for, the model has {system.size}; ask for fewer "
@@ -363,8 +233,7 @@ class Engine(EngineLinks):
             matrices = SystemMatrices(system.mass, system.damping, system.stiffness)
             matrices = carried.added(system.motion, matrices, terms, system.expansion)
             system = replace(system, **vars(matrices), carried=carried, unit_mass_from=None)
-        circulates, rigid = self.connectors.circulates, self.rigid_modes
-        return replace(system, rigid_modes=rigid, circulates=circulates)
+        return replace(system, rigid_modes=self.rigid_modes, circulates=self.connectors.circulates)
 
     def _reduction(
         self, modes: int, fastest: FloatArray, loaded: bool, detail: float
@@ -377,11 +246,462 @@ class Engine(EngineLinks):
                 self.topology,
                 self.links,
                 modes,
-                float(fastest[0]) if self.designs is None else fastest,
+                fastest,
                 couples_axially=loaded,
                 detail=detail,
-                with_damping_shapes=any(link.damping.any() for link in self.links),
+                with_damping_shapes=True,
                 fixed=self.fixed_interface_links,
                 decouples_mass=True,
             )
         return self._reductions[key]
+
+    @cached_property
+    def topology(self) -> Topology:
+        """Links and connections of the linear system; the clamp says whether the shaft is free."""
+        shaft = self.free_shaft
+        return self.mechanism.linkage.topology if shaft is None else shaft.topology
+
+    @cached_property
+    def rigid_joint_topology(self) -> Topology:
+        """Links and connections with rigid joints in place of springs."""
+        return self.mechanism.linkage.topology.with_rigid_joints()
+
+    @cached_property
+    def links(self) -> tuple[LinkModel, ...]:
+        """Unreduced link models in the topology's order, with the inertia of a free shaft."""
+        clamped = self.clamped_links
+        return clamped if self.free_shaft is None else self.free_shaft.links(clamped)
+
+    @cached_property
+    def frames(self) -> LinkFrames:
+        """Link frames and constraints of the unreduced links."""
+        return LinkFrames(self.topology, self.links)
+
+    @cached_property
+    def clamped_frames(self) -> LinkFrames:
+        """Link frames and constraints with the shaft's rotation at zero."""
+        if self.free_shaft is None:
+            return self.frames
+        return LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
+
+    @cached_property
+    def rigid_joint_frames(self) -> LinkFrames:
+        """Link frames and constraints with rigid joints in place of springs, and a held shaft."""
+        if self.rigid_joint_topology == self.mechanism.linkage.topology:
+            return self.clamped_frames
+        return LinkFrames(self.rigid_joint_topology, self.clamped_links)
+
+    @cached_property
+    def fixed_interface_links(self) -> tuple[FixedInterfaceLink, ...]:
+        """Constraint modes and fixed-interface modes of the flexible links."""
+        return fix_interfaces(self.topology, self.links, self.connectors.end_forces())
+
+    @property
+    @abstractmethod
+    def clamped_links(self) -> tuple[LinkModel, ...]:
+        """Unreduced link models in the topology's order, without the shaft's inertia."""
+
+    @property
+    def stretches(self) -> tuple[LinkStretch, ...] | None:
+        """Second-order stretch of each link; None where an engine does not provide it.
+
+        None as well where links bend or stretch without load, since it is that of straight links.
+        """
+        return None
+
+    def stressed_links(
+        self,
+        motion: RigidMotion,
+        prestress: Prestress,
+        near: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
+        """Tangent stiffness of each link in its frame under the motion's inertia forces.
+
+        The equilibrium is that with a prescribed shaft, whether it is free or not.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+        near : sequence of ndarray, shape (B, n_link), optional
+            Elastic displacement of each link near that at equilibrium, which an engine may take
+            as the start of its iteration; it starts from straight links by default.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        ComputationError
+            If the equilibrium does not converge or is unstable; names the crank angle.
+        """
+        stressed = self.stressed_clamped_links(motion, prestress, near)
+        if not self._is_straight(motion, prestress):
+            inertia = self.displaced_inertia(motion)
+            stressed = without_spin_softening(self.clamped_links, motion, stressed, inertia)
+        return replace(stressed, motion=motion)
+
+    @abstractmethod
+    def stressed_clamped_links(
+        self,
+        motion: RigidMotion,
+        prestress: Prestress,
+        near: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
+        """Stressed links without the shaft's inertia; see :meth:`stressed_links`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+        prestress : {"none", "axial", "equilibrium"}
+        near : sequence of ndarray, shape (B, n_link), optional
+
+        Returns
+        -------
+        StressedLinks
+        """
+
+    @property
+    def axial_modes_of_bows(self) -> int:
+        """Number of axial modes that a bowed link needs to bend without stretch.
+
+        Zero where a few smooth ones are enough: where elements stretch by their ends alone.
+        """
+        return 0
+
+    @property
+    def prestress_at_rest(self) -> Prestress:
+        """Prestress level of the linkage at rest.
+
+        ``none``, unless links bend without load or loads and springs act on them.
+        """
+        bent = self.mechanism.is_free_strained or self.connectors.any
+        return "equilibrium" if bent else "none"
+
+    def _loads(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None = None
+    ) -> list[FloatArray]:
+        """Inertia forces, weight, loads and springs on the clamped links, (B, n_link)."""
+        return self.connectors.with_inertia(self.clamped_links, motion, displacement)
+
+    def equilibrium_forces(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """Forces on the links that their internal forces balance, up to joint forces.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            At quasi-static equilibrium.
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+            Inertia forces, weight, loads and springs, and :meth:`displaced_inertia`.
+        """
+        forces = self.connectors.with_inertia(self.links, motion, displacement)
+        inertia = self.displaced_inertia(motion)
+        if inertia is None:
+            return forces
+        return [f + more for f, more in zip(forces, inertia.forces(displacement), strict=True)]
+
+    def displaced_inertia(self, motion: RigidMotion) -> DisplacedInertia | None:
+        """Inertia forces by displacements of links that rotate as one body; else None."""
+        return DisplacedInertia.of(self.mechanism.linkage.topology, self.clamped_links, motion)
+
+    def _dead(
+        self,
+        motion: RigidMotion,
+        loads: Sequence[FloatArray],
+        displacement: Sequence[FloatArray] | None = None,
+    ) -> DeadMoments:
+        """Moments on bodies and rigid links of loads (B, n_link) at a displacement."""
+        links, gravity, virial, moments = self.clamped_links, self.mechanism.gravity, None, None
+        if self.connectors.any and not self.solves_connectors:
+            virial = self.connectors.virial(motion, displacement)
+        if displacement is not None and (inertia := self.displaced_inertia(motion)) is not None:
+            moments = inertia.moments(displacement)
+        return DeadMoments.of(links, motion, gravity, loads, virial, moments)
+
+    def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
+        """Loads on the clamped links in the equilibrium that ``solve`` finds."""
+        loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
+        return balanced_loads(
+            self.connectors,
+            self.clamped_frames,
+            motion,
+            loads,
+            solve,
+            lambda displacement: self.running_clamped_links(motion, displacement).tangent,
+            displaced_inertia=self.displaced_inertia(motion),
+            solve_connects=self.solves_connectors,
+        )
+
+    def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
+        """Whether the links are linearized about the straight, stress-free state."""
+        if self.mechanism.is_free_strained:
+            if prestress != "equilibrium":
+                raise InputError(
+                    f"prestress {prestress!r} is of straight links, but moisture or heat bends or "
+                    "stretches some of these; use prestress 'equilibrium'"
+                )
+            return False
+        loaded = motion.crank_speed.any() or any(self.mechanism.gravity) or self.connectors.any
+        return prestress == "none" or not loaded
+
+    def running_links(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """Tangent stiffness, internal forces and damping in states of the running linkage.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            Elastic displacement of each link in its frame.
+
+        Returns
+        -------
+        StressedLinks
+        """
+        stressed = self.running_clamped_links(motion, displacement)
+        inertia = self.displaced_inertia(motion)
+        stressed = without_spin_softening(self.clamped_links, motion, stressed, inertia)
+        return replace(stressed, motion=motion)
+
+    @abstractmethod
+    def running_clamped_links(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """Running links without the shaft's inertia; see :meth:`running_links`."""
+
+    def damping_stiffness(
+        self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+    ) -> Sequence[FloatArray] | None:
+        """Derivative of the links' damping forces by their displacement at given rates.
+
+        Parameters
+        ----------
+        displacement, rate : sequence of ndarray, shape (B, n_link)
+            Of each link in its frame, and its time derivative.
+
+        Returns
+        -------
+        sequence of ndarray, shape (B, n_link, n_link), or None
+            None where no link is damped, or an engine does not provide it.
+        """
+        del displacement, rate
+        return None
+
+    def connected_matrices(
+        self,
+        frames: LinkFrames,
+        motion: RigidMotion,
+        prestress: Prestress,
+        displacement: Sequence[FloatArray] | None,
+    ) -> ConnectedMatrices | None:
+        """Stiffness and damping of loads and springs.
+
+        Parameters
+        ----------
+        frames : LinkFrames
+            Of the links, reduced or not.
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+        displacement : sequence of ndarray, shape (B, n_link), or None
+            Of the unreduced links in the state about which to linearize.
+
+        Returns
+        -------
+        ConnectedMatrices or None
+            In the coordinates of ``frames``; None where there are no loads and springs.
+        """
+        if not self.connectors.any:
+            return None
+        return self.connectors.matrices(frames, motion, prestress, displacement)
+
+    def fastest(self, motion: RigidMotion) -> FloatArray:
+        """Greatest angular velocity of a link in a motion in rad/s, (1,); (D,) of a stack."""
+        every = np.abs(motion.angular_velocity).reshape(len(self.members) or 1, -1)
+        return np.asarray(every.max(axis=1, initial=0.0))
+
+    @property
+    def likeness_of_links(self) -> Hashable | None:
+        """What the links of several designs must have in common to be stacked.
+
+        None where the engine does not stack them.
+        """
+        return None
+
+    @property
+    def turns_as_one_body(self) -> bool:
+        """Whether all links rotate with the shaft as one body.
+
+        Such links are not reduced. Component modes of straight links do not contain the rigid
+        rotation of a stretched free one, which would then meet a force, nor the bending without
+        stretch of one that is bowed far.
+        """
+        return turns_as_one_body(self.mechanism.linkage.topology)
+
+    @property
+    def rigid_modes(self) -> int:
+        """Number of rigid-body modes at rest: that of a shaft that turns freely."""
+        return 0 if self.free_shaft is None or self.connectors.restrains_shaft else 1
+
+    @cached_property
+    def connectors(self) -> Connectors:
+        """Loads on the links and springs between them."""
+        return Connectors(self.mechanism, self.links)
+
+
+def equal_batches(count: int, size: int) -> list[slice]:
+    """Batches of equal size for a number of positions.
+
+    A batch may exceed the requested size by a quarter, which avoids a small last one: each batch
+    takes some time however small it is.
+
+    Parameters
+    ----------
+    count : int
+        Positions.
+    size : int
+        That a batch should have at most.
+
+    Returns
+    -------
+    list of slice
+        One or more; empty ones only where there is no position.
+    """
+    number = max(1, math.ceil(count / size - 1 / 4))
+    edges = [count * place // number for place in range(number + 1)]
+    return [slice(*both) for both in pairwise(edges)]
+
+
+# Change along the turn, relative to the greatest value, that round-off makes: some five hundred
+# times the unit round-off, of sums over the elements. A load of 1e-3 of the others is none.
+UNCHANGED = 1e-13
+
+
+def has_relative_motion(topology: Topology) -> bool:
+    """Whether a link turns against another one or slides, so that the constraints vary.
+
+    Parameters
+    ----------
+    topology : Topology
+
+    Returns
+    -------
+    bool
+    """
+    return bool(topology.pins or topology.sliders)
+
+
+def all_constant(arrays: Iterable[FloatArray], size: float = 0.0) -> bool:
+    """Whether arrays (B, ...) are constant over the positions, up to round-off.
+
+    Parameters
+    ----------
+    arrays : iterable of ndarray, shape (B, ...)
+        Empty ones are the same.
+    size : float
+        To which round-off is relative where the arrays' own size is less.
+
+    Returns
+    -------
+    bool
+    """
+    return all(
+        not array.size or np.ptp(array, axis=0).max() <= UNCHANGED * max(np.abs(array).max(), size)
+        for array in arrays
+    )
+
+
+def has_constant_tangents(tangents: ConnectedMatrices, motion: RigidMotion) -> bool:
+    """Whether stiffness and damping of connectors are constant over the positions.
+
+    Parameters
+    ----------
+    tangents : ConnectedMatrices
+        Over a batch of shape (B,).
+    motion : RigidMotion
+        Of that batch.
+
+    Returns
+    -------
+    bool
+    """
+    # A spring without tension pulls by round-off, which damping forces are large against.
+    turning = float(np.abs(motion.crank_speed).max() * np.abs(tangents.damping).max())
+    return all_constant((tangents.stiffness + tangents.rate_stiffness, tangents.damping), turning)
+
+
+def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
+    """Whether all forces on the links are constant in the link frames over the positions.
+
+    It is computed: no link turns against another one, and the forces of inertia, gravity, loads
+    and springs on the straight links, and the stiffness of springs, are constant.
+
+    Parameters
+    ----------
+    engine : Engine
+    motion : RigidMotion
+        Batch of shape (B,).
+
+    Returns
+    -------
+    bool
+    """
+    if has_relative_motion(engine.topology):
+        return False
+    links, connectors = engine.clamped_links, engine.connectors
+    # Together: a spring without tension pulls by round-off, which differs at all positions.
+    loads = connectors.with_inertia(links, motion)
+    if not all_constant((motion.angular_velocity, motion.angular_acceleration, *loads)):
+        return False
+    tangents = connectors.matrices(engine.rigid_joint_frames, motion, "equilibrium")
+    return has_constant_tangents(tangents, motion)
+
+
+def stressed_along_turn(
+    engine: Engine,
+    motion: RigidMotion,
+    prestress: Prestress,
+    near: Sequence[FloatArray] | None = None,
+) -> StressedLinks:
+    """Stressed links over a turn; where all is constant, one position is solved for all.
+
+    Solved one by one, positions differ by the tolerance of their equilibria, and Floquet's theory
+    would take what is constant for periodic: a stability map of Exudyn takes four times as long.
+
+    Parameters
+    ----------
+    engine : Engine
+    motion : RigidMotion
+        Batch of shape (B,).
+    prestress : {"none", "axial", "equilibrium"}
+    near : sequence of ndarray, shape (B, n_link), optional
+        As of :meth:`flexmech.linear_system.Engine.stressed_links`.
+
+    Returns
+    -------
+    StressedLinks
+        Of all positions.
+
+    Raises
+    ------
+    ComputationError
+        If the equilibrium does not converge or is unstable; names the crank angle.
+    """
+    if not is_constant_turn(engine, motion):
+        return engine.stressed_links(motion, prestress, near)
+    first = slice(0, 1)
+    start = None if near is None else [q[first] for q in near]
+    found = engine.stressed_links(motion.at(first), prestress, start)
+    every = np.zeros(len(motion.crank_angle), dtype=np.intp)
+    return replace(found.at(every), motion=None)

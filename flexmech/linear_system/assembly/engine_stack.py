@@ -10,7 +10,8 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from flexmech.linear_system.assembly.engine import Engine
+from flexmech.arrays import IntArray
+from flexmech.linear_system.assembly.engine import Engine, equal_batches
 from flexmech.linkages import (
     InverseDynamics,
     JointSpring,
@@ -25,6 +26,12 @@ from flexmech.linkages import (
 from flexmech.mechanism import Mechanism
 
 AnyEngine = TypeVar("AnyEngine", bound=Engine)
+
+
+# Positions of each design of a stack in a batch. Memory alone, and speed: the memory of more is
+# given back to the system after every step, and asked for anew. As many of a small stack, so that
+# its numbers are those of a large one to the last bit.
+STACK_POSITIONS = 12
 
 
 @dataclass(frozen=True)
@@ -134,3 +141,22 @@ def stack_engines(engines: Sequence[AnyEngine]) -> AnyEngine:
         _reductions={},
     )
     return stack
+
+
+def stack_batches(count: int, designs: int) -> list[IntArray]:
+    """Batches of positions of several designs, as many of each design in every batch.
+
+    Parameters
+    ----------
+    count : int
+        Positions, as many of each design, one after the other.
+    designs : int
+
+    Returns
+    -------
+    list of ndarray of int
+        Numbers of the positions.
+    """
+    places = np.arange(count).reshape(designs, -1)
+    parts = equal_batches(places.shape[1], STACK_POSITIONS)
+    return [places[:, part].ravel() for part in parts]

@@ -26,7 +26,7 @@ from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.links.body_forces import turns_as_one_body
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_readings import LinkReadings
-from flexmech.linear_system.loads.connector_forces import PointForce
+from flexmech.linear_system.loads.connectors import PointForce
 from flexmech.linkages import LinkBody, RigidMotion
 from flexmech.linkages.connection_forces import (
     connection_matrix,

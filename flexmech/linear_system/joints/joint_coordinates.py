@@ -11,13 +11,14 @@ partitioning). Ends of elastic links depend on rigid ones, never these on them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
-from flexmech.linear_system.joints.displaced_motion import general_position, link_bodies
 from flexmech.linear_system.joints.position_errors import refuse_positions
 from flexmech.linkages import LinkEnd, Pin, RigidMotion, Topology, Weld
 from flexmech.linkages.body_motion import (
@@ -28,10 +29,119 @@ from flexmech.linkages.body_motion import (
     Condition,
     Constraints,
     EqualAngle,
+    dot,
 )
 from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point, slider_line
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.topology import leading_end
+
+
+@dataclass(frozen=True)
+class DisplacedMotion(RigidMotion):
+    """Rigid motion whose rigid links, with their frames, are displaced as in an equilibrium.
+
+    Parameters
+    ----------
+    crank_angle, crank_speed, angle, angular_velocity, angular_acceleration : ndarray
+        See :class:`RigidMotion`; batch of shape (B,).
+    origin, origin_velocity, origin_acceleration : ndarray
+        Likewise.
+    turn : ndarray, shape (B, n_links)
+        Rotation of each displaced rigid link against the rigid motion in rad; zero of flexible
+        links.
+    slide : ndarray, shape (B, n_sliders)
+        Displacement of each slider along its line in m.
+    design : ndarray of int, shape (B,), optional
+        As of :class:`RigidMotion`.
+    """
+
+    turn: FloatArray
+    slide: FloatArray
+
+    @classmethod
+    def of(cls, motion: RigidMotion, turn: FloatArray, slide: FloatArray) -> Self:
+        """A rigid motion with its rigid links displaced.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        turn : ndarray, shape (B, n_links)
+        slide : ndarray, shape (B, n_sliders)
+        """
+        own = {field.name: getattr(motion, field.name) for field in fields(RigidMotion)}
+        own["angle"] = motion.angle + turn
+        return cls(**own, turn=turn, slide=slide)
+
+    @property
+    def undisplaced(self) -> RigidMotion:
+        """The rigid motion itself."""
+        own = {field.name: getattr(self, field.name) for field in fields(RigidMotion)}
+        own["angle"] = self.angle - self.turn
+        return RigidMotion(**own)
+
+
+def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, ComplexArray]:
+    """Links as bodies, and positions of sliders in the axes of their guides.
+
+    Parameters
+    ----------
+    motion : RigidMotion
+        Batch of shape (B,); its rigid links may be displaced.
+    topology : Topology
+
+    Returns
+    -------
+    bodies : BodyMotion
+        Of shape (B, n_links + 1), the ground last.
+    slid : ndarray of complex, shape (3, B, n_sliders)
+        Places in m, and their first and second time derivative: an acceleration of the rigid
+        motion along the line. On the ground the displacement alone.
+    """
+    bodies = drawn = BodyMotion.of_links(motion)
+    slid = np.zeros((3, len(motion.crank_angle), len(topology.sliders)), dtype=complex)
+    lines = [slider_line(topology, slider) for slider in topology.sliders]
+    if isinstance(motion, DisplacedMotion) and lines:
+        slid[0] = motion.slide * np.array([line.along for line in lines])
+        if topology.has_moving_guides:
+            drawn = BodyMotion.of_links(motion.undisplaced)
+    for number, (slider, line) in enumerate(zip(topology.sliders, lines, strict=True)):
+        if slider.guide:
+            guide = line.second.body
+            point = drawn.moving_point(line.first.body, line.first.place)
+            relative, relative_1, relative_2 = (
+                own - its for own, its in zip(point, drawn.moving_point(guide, 0j), strict=True)
+            )
+            back, turning = np.conj(drawn.turn[:, guide]), 1j * drawn.turn_1[:, guide]
+            changing = turning**2 - 1j * drawn.turn_2[:, guide]
+            rate = back * (relative_1 - turning * relative)
+            second = back * (relative_2 - 2 * turning * relative_1 + changing * relative)
+            slid[0][:, number] += back * relative
+            # The point stays on its line: what round-off leaves across it is not motion.
+            slid[1][:, number] = line.along * dot(line.along, rate)
+            slid[2][:, number] = line.along * dot(line.along, second)
+    return bodies, slid
+
+
+def general_position(topology: Topology) -> RigidMotion:
+    """One position with random link angles and origins, for rank decisions.
+
+    Parameters
+    ----------
+    topology : Topology
+
+    Returns
+    -------
+    RigidMotion
+        Batch of shape (1,) of links at rest, which need not meet.
+    """
+    random = np.random.default_rng(0)
+    count = len(topology.links)
+    angle, zero = random.uniform(-np.pi, np.pi, (1, count)), np.zeros((1, count))
+    length = max(link.length for link in topology.links)
+    origin = length * random.uniform(-1.0, 1.0, (1, count, 2))
+    nowhere = np.zeros((1, count, 2))
+    return RigidMotion(zero[:, 0], zero[:, 0], angle, zero, zero, origin, nowhere, nowhere)
 
 
 @dataclass(frozen=True)
@@ -74,12 +184,12 @@ class JointCoordinates:
         Coordinate of each slider; they come last.
     size : int
         Number of all coordinates y.
-    independent_coordinates, of_ends : ndarray of int
-        Independent ones of rigid links and sliders, the first of w, and of the ends.
+    w : ndarray of int, shape (n,)
+        Independent ones; those of leading ends come last.
+    independent_coordinates : ndarray of int
+        The first of them, of rigid links and sliders.
     dependent_coordinates : ndarray of int, shape (d,)
         Those that depend on these.
-    w : ndarray of int, shape (n,)
-        Both.
     receding : list of LinkEnd
         Leading ends on a hub. A last coordinate of w of each moves it along by the hub's radius:
         ``cos(phi) - 1`` in natural coordinates.
@@ -105,8 +215,9 @@ class JointCoordinates:
         self.constraints = Constraints(conditions, bodies, len(self.slides))
         independent, self.dependent_coordinates, self.rows = self._choose()
         of_ends = (independent >= 3 * len(self.links)) & (independent < count)
-        self.of_ends, self.independent_coordinates = independent[of_ends], independent[~of_ends]
-        self.w = np.concatenate([self.independent_coordinates, self.of_ends])
+        self.independent_coordinates = independent[~of_ends]
+        self.w = np.concatenate([self.independent_coordinates, independent[of_ends]])
+        self._determining: dict[BodyPoint | tuple[int, ...], NDArray[np.bool_]] = {}
         self.receding = [end for end in self.ends if end in self._hubs]
         self.chosen = np.zeros((self.size, len(self.w) + len(self.receding)))
         self.chosen[self.w, np.arange(len(self.w))] = 1.0
@@ -131,7 +242,7 @@ class JointCoordinates:
         number = self.ends[end] - len(self.topology.links)
         return 3 * (len(self.links) + number) + np.arange(3)
 
-    def leading_end(self, point: BodyPoint) -> LinkEnd | None:
+    def end_at(self, point: BodyPoint) -> LinkEnd | None:
         """The end that a point is; None of one of a rigid link or a line."""
         number = point.body - len(self.topology.links)
         return None if number < 0 else list(self.ends)[number]
@@ -250,10 +361,30 @@ class JointCoordinates:
         """
         return self.constraints.points(points).jacobian_with_rates(*self.bodies(motion))
 
+    def determining(self, source: BodyPoint | IntArray) -> NDArray[np.bool_]:
+        """Which of w, and of what recedes, determine a point or some of these coordinates, (n,).
+
+        In a general position, once and for all.
+        """
+        key = source if isinstance(source, BodyPoint) else tuple(source.tolist())
+        if key not in self._determining:
+            motion, y = self.general_position, self._general_dependence
+            if isinstance(source, BodyPoint):
+                by = self.displacement_rows(motion, [source]).value @ y
+            else:
+                by = y[:, source]
+            size = np.abs(by[0]).max(axis=0, initial=0.0)
+            self._determining[key] = size > RANK_TOLERANCE
+        return self._determining[key]
+
     @cached_property
     def general_position(self) -> RigidMotion:
         """One generic position for rank decisions; the links need not meet in it."""
         return general_position(self.topology)
+
+    @cached_property
+    def _general_dependence(self) -> FloatArray:
+        return self.dependence(self.general_position).value
 
     def _leading_ends(self) -> Iterator[LinkEnd]:
         """Ends of elastic links that others depend on, that a free shaft turns, or on a hub."""
@@ -356,6 +487,17 @@ def _independent_columns(matrix: FloatArray) -> IntArray:
     return np.array(chosen, dtype=np.intp)
 
 
+def held_ends(topology: Topology) -> set[LinkEnd]:
+    """Ends whose displacement the ground or the shaft fixes; those on the hub of a free one move.
+
+    Parameters
+    ----------
+    topology : Topology
+    """
+    held = {clamp.link_end for clamp in topology.clamps if not (clamp.free and clamp.hub)}
+    return held | {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
+
+
 def joint_points(topology: Topology) -> list[JoinedEnds]:
     """Ends that are joined, fixed or on a slider's line; free tips are not among them.
 
@@ -367,11 +509,9 @@ def joint_points(topology: Topology) -> list[JoinedEnds]:
     -------
     list of JoinedEnds
     """
-    on_hubs = {clamp.link_end for clamp in topology.clamps if clamp.free and clamp.hub}
-    fixed = {clamp.link_end for clamp in topology.clamps} - on_hubs
-    fixed |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
+    fixed, clamped = held_ends(topology), [clamp.link_end for clamp in topology.clamps]
     sliders = {slider.link_end: number for number, slider in enumerate(topology.sliders)}
-    joined = _joined(topology, topology.rigid_ties, [*fixed, *on_hubs, *sliders])
+    joined = _joined(topology, topology.rigid_ties, [*fixed, *clamped, *sliders])
     return [JoinedEnds(ends, ends[0] in fixed, sliders.get(ends[0])) for ends in joined]
 
 

@@ -17,18 +17,120 @@ eq. 1.57). The same code serves every engine: only the link matrices differ.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
-from flexmech.linear_system.joints.link_place import LinkPlace
-from flexmech.linear_system.joints.link_ties import LinkTies
-from flexmech.linear_system.links.link_model import WholeLink
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.linear_system.joints.link_ties import DependentRows, LinkTies
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
+
+Numbers = slice | IntArray
+
+
+@dataclass(frozen=True)
+class LinkPlace:
+    """Assembly of a link: the coordinates of the linkage for each coordinate of the link.
+
+    Parameters
+    ----------
+    runs : list of tuple of slice
+        Independent coordinates: runs of consecutive numbers in the link and in the linkage.
+    dependencies : list of tuple of slice or ndarray of int
+        Dependent rows of the link, and the columns of the linkage that determine them.
+    """
+
+    runs: list[tuple[slice, slice]]
+    dependencies: list[tuple[Numbers, Numbers]]
+
+    def add(
+        self, total: FloatArray, matrix: FloatArray, dependencies: Sequence[DependentRows]
+    ) -> None:
+        """Add ``Q' X Q`` to a matrix of the linkage.
+
+        Parameters
+        ----------
+        total : ndarray, shape (B, size, size)
+        matrix : ndarray, shape (n, n) or (B, n, n)
+        dependencies : sequence of DependentRows
+        """
+        for row, to_row in self.runs:
+            for column, to_column in self.runs:
+                total[:, to_row, to_column] += matrix[..., row, column]
+        for (rows, to_rows), tie in zip(self.dependencies, dependencies, strict=True):
+            for column, to_column in self.runs:
+                block = _turned(tie.turn, matrix[..., rows, column])
+                total[_where(to_rows, to_column)] += block
+        self.add_dependent_columns(total, matrix, dependencies, [tie.turn for tie in dependencies])
+
+    def add_dependent_columns(
+        self,
+        total: FloatArray,
+        matrix: FloatArray,
+        dependencies: Sequence[DependentRows],
+        right: Sequence[FloatArray],
+    ) -> None:
+        """Add ``Q' X P``, where P has the rows of dependent coordinates alone.
+
+        Parameters
+        ----------
+        total : ndarray, shape (B, size, size)
+        matrix : ndarray, shape (n, n) or (B, n, n)
+        dependencies : sequence of DependentRows
+        right : sequence of ndarray, shape (B, r, c)
+            ``P`` of each.
+        """
+        for (columns, to_columns), by in zip(self.dependencies, right, strict=True):
+            transposed = np.swapaxes(matrix[..., columns], -1, -2)
+            turned = np.swapaxes(_turned(by, transposed), 1, 2)
+            for row, to_row in self.runs:
+                total[_where(to_row, to_columns)] += turned[:, row]
+            for (rows, to_rows), tie in zip(self.dependencies, dependencies, strict=True):
+                total[_where(to_rows, to_columns)] += np.swapaxes(tie.turn, 1, 2) @ turned[:, rows]
+
+
+def _turned(turn: FloatArray, rows: FloatArray) -> FloatArray:
+    """``P' X`` for rows (r, n) or (B, r, n) of a link matrix; (B, c, n)."""
+    transposed = np.swapaxes(turn, 1, 2)
+    if rows.ndim == 3:
+        return transposed @ rows
+    batch, columns, count = transposed.shape
+    return (transposed.reshape(-1, count) @ rows).reshape(batch, columns, -1)
+
+
+def _where(rows: Numbers, columns: Numbers) -> tuple[Numbers, ...]:
+    """Index of a block of matrices (B, size, size)."""
+    if isinstance(rows, slice) or isinstance(columns, slice):
+        return slice(None), rows, columns
+    return slice(None), rows[:, None], columns
+
+
+def _numbers(numbers: IntArray) -> Numbers:
+    """Slice of numbers that are evenly spaced, in their order; else the numbers."""
+    values = numbers.tolist()
+    if len(values) < 2:
+        return slice(values[0], values[0] + 1) if values else slice(0, 0)
+    step = values[1] - values[0]
+    if step == 0 or any(b - a != step for a, b in pairwise(values)):
+        return numbers
+    stop = values[-1] + step
+    return slice(values[0], stop if stop >= 0 else None, step)
+
+
+def _runs(source: IntArray, target: IntArray) -> list[tuple[slice, slice]]:
+    """Runs of consecutive numbers in both."""
+    ends: list[list[int]] = []
+    for s, t in zip(source.tolist(), target.tolist(), strict=True):
+        if ends and (s, t) == (ends[-1][1], ends[-1][3]):
+            ends[-1][1], ends[-1][3] = s + 1, t + 1
+        else:
+            ends.append([s, s + 1, t, t + 1])
+    return [(slice(a, b), slice(c, d)) for a, b, c, d in ends]
 
 
 class LinkFrames(LinkTies):
@@ -77,7 +179,7 @@ class LinkFrames(LinkTies):
         -------
         SystemMatrices
         """
-        links = [link.whole() for link in self.links]
+        inertia = [link.inertia for link in self.links]
         tangents = list(stiffness)
         own_damping = damping is None
         if damping is None:
@@ -86,48 +188,59 @@ class LinkFrames(LinkTies):
         resisting = list(zip(damping, end_damping or damping, strict=True))
         if (design := motion.design) is not None:
             straight = [x is link.stiffness for x, link in zip(stiffness, self.links, strict=True)]
-            links = [link.at(design) for link in links]
+            inertia = [matrices[:, design] for matrices in inertia]
             tangents = [x[design] if own else x for x, own in zip(tangents, straight, strict=True)]
             if own_damping:
                 resisting = [(matrix[design], ends[design]) for matrix, ends in resisting]
         for number, angles in enumerate(turns or ()):
             if (change := self.links[number].inertia_change(angles)) is not None:
-                links[number] = links[number] + change
+                own = inertia[number]
+                inertia[number] = change + (own if own.ndim == 4 else own[:, None])
         shape = (len(motion.crank_angle), self.size, self.size)
         mass, total = np.zeros((2, *shape))
         damped = [bool(matrix.any()) for matrix, _ in resisting]
         damps = terms.coriolis or any(damped)
         rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
         dependent = self.dependent_rows(motion)
-        for number, (place, pairs, link) in enumerate(
-            zip(self._places, dependent, links, strict=True)
-        ):
+        for number, (place, pairs) in enumerate(zip(self._places, dependent, strict=True)):
+            link_mass, gyroscopic, centrifugal_mass, end_mass, end_gyroscopic = inertia[number]
             damping_matrix, damped_ends = resisting[number]
             speed = motion.angular_velocity[:, number, None, None]
-            turning = [p.rate for p in pairs]
-            place.add(mass, link.mass, pairs)
-            place.add(total, _tangent(link, motion, number, tangents[number], terms), pairs)
+            turning, tangent = [p.rate for p in pairs], tangents[number]
+            if terms.centripetal:
+                tangent = tangent - speed**2 * centrifugal_mass
+            if terms.tangential:
+                change = motion.angular_acceleration[:, number, None, None]
+                tangent = tangent + change * gyroscopic
+            place.add(mass, link_mass, pairs)
+            place.add(total, tangent, pairs)
             if damped[number]:
                 place.add(rates, damping_matrix, pairs)
             if terms.coriolis:
-                place.add(rates, 2 * speed * link.gyroscopic, pairs)
-                place.add_dependent_columns(rates, 2 * link.end_mass, pairs, turning)
+                place.add(rates, 2 * speed * gyroscopic, pairs)
+                place.add_dependent_columns(rates, 2 * end_mass, pairs, turning)
                 if damped[number]:
                     place.add_dependent_columns(total, damped_ends, pairs, turning)
             if terms.centripetal:
                 coriolis = [2 * speed * rate for rate in turning]
-                place.add_dependent_columns(total, link.end_gyroscopic, pairs, coriolis)
+                place.add_dependent_columns(total, end_gyroscopic, pairs, coriolis)
             if terms.centripetal or terms.tangential:
                 accelerating = [p.acceleration(terms) for p in pairs]
-                place.add_dependent_columns(total, link.end_mass, pairs, accelerating)
+                place.add_dependent_columns(total, end_mass, pairs, accelerating)
         if guide_stiffness is not None and guide_stiffness.any():
             total += self.guide_matrix(motion, guide_stiffness)
         return SystemMatrices(mass, rates, total)
 
     @cached_property
     def _places(self) -> list[LinkPlace]:
-        numbered = enumerate(self.targets)
-        return [LinkPlace.of(target, self.dependencies(n)) for n, target in numbered]
+        places = []
+        for link, target in enumerate(self.targets):
+            own = self.independent_coordinates(link)
+            pairs = [
+                (_numbers(rows), _numbers(columns)) for rows, columns in self.dependencies(link)
+            ]
+            places.append(LinkPlace(_runs(own, target[own]), pairs))
+        return places
 
     def link_coordinates(self, motion: RigidMotion, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link from independent ones.
@@ -197,21 +310,16 @@ class LinkFrames(LinkTies):
         list of tuple of ndarray, shape (B, n_link)
             ``q = N z``, ``N z' + N' z`` and ``N z'' + 2 N' z' + N'' z`` of each link.
         """
-        result = []
-        for number, (link, dependent) in enumerate(
-            zip(self.links, self.dependent_rows(motion), strict=True)
-        ):
-            target = self.targets[number]
-            free = target >= 0
-            q, rate, change = np.zeros((3, len(position), link.size))
-            for values, given in ((q, position), (rate, velocity), (change, acceleration)):
-                values[:, free] = given[:, target[free]]
+        z, result = np.stack([position, velocity, acceleration], axis=-1), []
+        pairs = zip(self.link_coordinates(motion, z), self.dependent_rows(motion), strict=True)
+        for moving, dependent in pairs:
+            q, rate, change = np.ascontiguousarray(np.moveaxis(moving, -1, 0))
             for tie in dependent:
-                z0, z1, z2 = (v[:, tie.columns, None] for v in (position, velocity, acceleration))
-                twice = tie.centripetal + tie.tangential
-                q[:, tie.rows] = (tie.turn @ z0)[..., 0]
-                rate[:, tie.rows] = (tie.turn @ z1 + tie.rate @ z0)[..., 0]
-                change[:, tie.rows] = (tie.turn @ z2 + 2 * tie.rate @ z1 + twice @ z0)[..., 0]
+                own = z[:, tie.columns]
+                turning = tie.rate @ own
+                rate[:, tie.rows] += turning[..., 0]
+                change[:, tie.rows] += 2 * turning[..., 1]
+                change[:, tie.rows] += ((tie.centripetal + tie.tangential) @ own[..., :1])[..., 0]
             result.append((q, rate, change))
         return result
 
@@ -230,20 +338,7 @@ class LinkFrames(LinkTies):
             loads, self._places, self.dependent_rows(motion), strict=True
         ):
             for tie in dependent:
-                total[:, tie.columns] += tie.leading(load[:, tie.rows])
+                total[:, tie.columns] += np.einsum("bij,bi...->bj...", tie.turn, load[:, tie.rows])
             for own, independent in place.runs:
                 total[:, independent] += load[:, own]
         return total
-
-
-def _tangent(
-    link: WholeLink, motion: RigidMotion, number: int, stiffness: FloatArray, terms: RotationTerms
-) -> FloatArray:
-    """Stiffness of a link with the centripetal and tangential terms; (n, n) or (B, n, n)."""
-    if terms.centripetal:
-        speed = motion.angular_velocity[:, number, None, None]
-        stiffness = stiffness - speed**2 * link.centrifugal_mass
-    if terms.tangential:
-        change = motion.angular_acceleration[:, number, None, None]
-        stiffness = stiffness + change * link.gyroscopic
-    return stiffness

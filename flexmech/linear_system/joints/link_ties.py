@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.joint_coordinates import JointCoordinates
-from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.rigid_pose import (
     DisplacedRows,
     DisplacedTies,
@@ -20,11 +19,46 @@ from flexmech.linear_system.joints.rigid_pose import (
     RigidPose,
 )
 from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
-from flexmech.linkages.body_motion import BodyPoint
-from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point
+from flexmech.linkages.body_motion import BodyPoint, dot
+from flexmech.linkages.connection_forces import end_point
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
-from flexmech.linkages.motion import direction, normal
+
+
+@dataclass(frozen=True)
+class DependentRows:
+    """Dependent coordinates of a link: ``q[rows] = turn @ z[columns]``.
+
+    A pinned end depends on its leader's end, rotated from that frame: two rows, two columns.
+    An end on a line depends on the slide, one on a rigid link on that link's three coordinates.
+
+    Parameters
+    ----------
+    rows : ndarray of int, shape (r,)
+        Coordinates of the link.
+    columns : ndarray of int, shape (c,)
+        Independent coordinates of the linkage, all different.
+    turn : ndarray, shape (B, r, c)
+    rate : ndarray, shape (B, r, c)
+        Time derivative of ``turn``.
+    centripetal, tangential : ndarray, shape (B, r, c)
+        Second time derivative of ``turn``: the parts in squares and products of velocities of
+        the rigid motion, and in its accelerations.
+    """
+
+    rows: IntArray
+    columns: IntArray
+    turn: FloatArray
+    rate: FloatArray
+    centripetal: FloatArray
+    tangential: FloatArray
+
+    def acceleration(self, terms: RotationTerms) -> FloatArray:
+        """Second time derivative of ``turn``: the terms that are included, (B, r, c)."""
+        if terms.centripetal and terms.tangential:
+            return self.centripetal + self.tangential
+        return self.centripetal if terms.centripetal else self.tangential
 
 
 @dataclass(frozen=True)
@@ -99,6 +133,8 @@ class LinkTies:
         ]
         self._at_points: list[tuple[int, IntArray, BodyPoint]] = []
         self._connect_ends()
+        # A system asks for them ten times in the same positions.
+        self._latest: tuple[RigidMotion, list[list[DependentRows]]] | None = None
         self._ties: list[list[Tie]] = [[] for _ in links]
         self._add_ties(self._number(last or [np.zeros(link.size, dtype=bool) for link in links]))
 
@@ -130,6 +166,8 @@ class LinkTies:
         list of list of DependentRows
             A list for each link.
         """
+        if (latest := self._latest) is not None and latest[0] is motion:
+            return latest[1]
         y = self.rigid.dependence(motion)
         moved: dict[BodyPoint, MatrixWithRates] = {}
         rows: list[list[DependentRows]] = []
@@ -148,7 +186,8 @@ class LinkTies:
                     if leader in self.rigid.receding:  # whose displacement depends on others
                         own = self.rigid.of_end(leader)[:2]
                         matrix = matrix @ y.rows(own).columns(tie.which)
-                rows[-1].append(DependentRows.of(tie.rows, tie.columns, matrix))
+                rows[-1].append(DependentRows(tie.rows, tie.columns, *matrix.parts))
+        self._latest = motion, rows
         return rows
 
     @property
@@ -219,28 +258,39 @@ class LinkTies:
         for slide, (number, slider) in zip(
             rigid.slides, enumerate(self.topology.sliders), strict=True
         ):
-            end, link = slider.link_end, self.topology.index(slider.link_end.link)
-            line = rigid.point_on_line(number)
+            end, line = slider.link_end, rigid.point_on_line(number)
             rows = rigid.displacement_rows(motion, [line, end_point(self.topology, end)]).value
-            if rigid.is_rigid(end):
-                moved = rows[:, 2:] @ y
-            else:
-                to_ground = np.swapaxes(_to_frame(motion, link).value, 1, 2)
-                moved = to_ground @ displacement[link][:, self._displacement_of(end)]
+            of_body = rigid.is_rigid(end)
+            moved = rows[:, 2:] @ y if of_body else self._in_ground(motion, end, displacement)
             along = rows[:, :2, slide]
             slid[:, slide] = np.einsum("bc,bcm->bm", along, moved - rows[:, :2] @ y)
         return slid[:, rigid.independent_coordinates]
 
     def _pose_of(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> RigidPose:
         """Finite displacements of rigid links and sliders at displacements (B, n_link) of links."""
-        sliding = {}
+        rigid, y = self.rigid, np.zeros((len(motion.crank_angle), self.rigid.size))
+        for link in rigid.links:
+            y[:, rigid.of_link(link)] = displacement[link]
+        pose = RigidPose(rigid, motion, y)
         for number, slider in enumerate(self.topology.sliders):
-            if not self.rigid.is_rigid(slider.link_end):
-                link = self.topology.index(slider.link_end.link)
-                q = displacement[link][:, self._displacement_of(slider.link_end)]
-                angle = motion.angle[:, link]
-                sliding[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
-        return RigidPose.displaced_by(self.rigid, motion, displacement, sliding)
+            end, line = slider.link_end, rigid.point_on_line(number)
+            moved = (
+                pose.displacement([end_point(self.topology, end)])[:, 0]
+                if rigid.is_rigid(end)
+                else self._in_ground(motion, end, displacement)
+            )
+            moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
+            along = line.along * pose.after[0].turn[:, line.body]
+            y[:, rigid.slides[number]] = dot(along, moved[:, 0] + 1j * moved[:, 1])
+        return RigidPose(rigid, motion, y)
+
+    def _in_ground(
+        self, motion: RigidMotion, end: LinkEnd, displacement: Sequence[NDArray[Any]]
+    ) -> NDArray[Any]:
+        """Displacement of an elastic link's end in ground axes, (B, 2, ...)."""
+        link = self.topology.index(end.link)
+        moved = displacement[link][:, self._displacement_of(end)]
+        return np.asarray(np.einsum("bij,bi...->bj...", _to_frame(motion, link).value, moved))
 
     def _displaced_ties(self, pose: RigidPose) -> DisplacedTies:
         first = len(self.rigid.independent_coordinates)
@@ -285,7 +335,7 @@ class LinkTies:
                 elif body is not None:
                     self._at_coordinates.append((link, rows, rigid.of_end(end)[:2]))
                 leads = leader is not None and leader.body == body
-                if not (leads and np.isin(rigid.of_end(end)[:2], rigid.of_ends).all()):
+                if not (leads and np.isin(rigid.of_end(end)[:2], rigid.w).all()):
                     self.targets[link][rows] = -1
         for turn in rigid.turns:
             for end in turn.ends:
@@ -308,15 +358,13 @@ class LinkTies:
         place[rigid.independent_coordinates] = np.arange(count)
         for number in rigid.links:
             self.targets[number][:] = place[rigid.of_link(number)]
-        ends = [~late for late in last]
-        leading = {turn.ends[0] for turn in rigid.turns}
-        for link, model, end in zip(self.topology.links, self.links, ends, strict=True):
-            elsewhere = np.ones(model.size, dtype=bool)
-            elsewhere[model.start] = elsewhere[model.end] = elsewhere[model.receding] = False
-            for side in ("start", "end"):
-                if LinkEnd(link.name, side) in leading:
-                    elsewhere[model.end_rotation_of(side)[:1]] = False
-            end[elsewhere] = False
+        ends = [np.zeros(model.size, dtype=bool) for model in self.links]
+        for model, end in zip(self.links, ends, strict=True):
+            end[model.start] = end[model.end] = end[model.receding] = True
+        for turn in rigid.turns:
+            first = turn.ends[0]
+            ends[self.topology.index(first.link)][self._rotations_of(first)[:1]] = True
+        ends = [end & ~late for end, late in zip(ends, last, strict=True)]
         inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
         for group in (ends, inner, last):
             for target, chosen in zip(self.targets, group, strict=True):
@@ -339,25 +387,22 @@ class LinkTies:
             link = self.topology.index(end.link)
             for coordinate in self.links[link].receding:
                 receding[number] = int(self.targets[link][coordinate])
-        z = np.array([*place[rigid.independent_coordinates], *place[rigid.of_ends], *receding])
-        y = rigid.dependence(rigid.general_position).value
+        z = np.array([*place[rigid.w], *receding])
         of_ends = 3 * len(rigid.links)
 
-        def add(link: int, rows: IntArray, source: BodyPoint | IntArray, by: FloatArray) -> None:
-            size = np.abs(by[0]).max(axis=0, initial=0.0)
-            which = np.flatnonzero((size > RANK_TOLERANCE) & (z >= 0))
+        def add(link: int, rows: IntArray, source: BodyPoint | IntArray) -> None:
+            which = np.flatnonzero(rigid.determining(source) & (z >= 0))
             if len(which):
-                leader = rigid.leading_end(source) if isinstance(source, BodyPoint) else None
+                leader = rigid.end_at(source) if isinstance(source, BodyPoint) else None
                 self._ties[link].append(Tie(rows, source, which, z[which], leader))
 
         for link, rows, among in self._at_coordinates:
             if len(rows) and of_ends <= among[-1] == among[0] < of_ends + 3 * len(rigid.ends):
                 self.targets[link][rows[0]] = place[among[0]]
             chosen = self.targets[link][rows] < 0
-            add(link, rows[chosen], among[chosen], y[:, among[chosen]])
+            add(link, rows[chosen], among[chosen])
         for link, rows, point in self._at_points:
-            moved = rigid.displacement_rows(rigid.general_position, [point]).value
-            add(link, rows, point, moved @ y)
+            add(link, rows, point)
 
 
 def _to_frame(motion: RigidMotion, link: int, leader: int | None = None) -> MatrixWithRates:

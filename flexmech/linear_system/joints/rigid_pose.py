@@ -16,11 +16,9 @@ from typing import Self
 import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
-from flexmech.linear_system.joints.displaced_motion import DisplacedMotion
-from flexmech.linear_system.joints.joint_coordinates import JointCoordinates
+from flexmech.linear_system.joints.joint_coordinates import DisplacedMotion, JointCoordinates
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.body_motion import BodyMotion, BodyPoint, dot
-from flexmech.linkages.connection_forces import end_point
+from flexmech.linkages.body_motion import BodyMotion, BodyPoint
 
 # Newton's method takes five to eight from the straight linkage; more is no position near it.
 ITERATIONS = 30
@@ -119,43 +117,6 @@ class RigidPose:
         y = np.where(closed[:, None], y, np.nan)
         return cls(rigid, motion, y)
 
-    @classmethod
-    def displaced_by(
-        cls,
-        rigid: JointCoordinates,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        sliding: Mapping[int, FloatArray],
-    ) -> Self:
-        """Rigid links and sliders at given displacements of all links.
-
-        Parameters
-        ----------
-        rigid : JointCoordinates
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link)
-            In the frames of the rigid motion.
-        sliding : mapping of int to ndarray, shape (B, 2)
-            Displacements of the ends of flexible links that slide, in ground axes, by the number
-            of the slider.
-        """
-        y = np.zeros((len(motion.crank_angle), rigid.size))
-        for link in rigid.links:
-            y[:, rigid.of_link(link)] = displacement[link]
-        pose = cls(rigid, motion, y)
-        for number, slider in enumerate(rigid.topology.sliders):
-            line = rigid.point_on_line(number)
-            moved = (
-                sliding[number]
-                if number in sliding
-                else pose.displacement([end_point(rigid.topology, slider.link_end)])[:, 0]
-            )
-            moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
-            along = line.along * pose.after[0].turn[:, line.body]
-            y[:, rigid.slides[number]] = dot(along, moved[:, 0] + 1j * moved[:, 1])
-        return cls(rigid, motion, y)
-
     def displacement(self, points: Sequence[BodyPoint]) -> FloatArray:
         """Displacement of points of rigid links or of lines in ground axes, (B, P, 2)."""
         own = self.rigid.constraints.points(points)
@@ -222,6 +183,7 @@ class DisplacedRows:
     place: FloatArray | None
 
 
+@dataclass(frozen=True)
 class DisplacedTies:
     """Constraints over a batch of positions at finite displacements of the rigid links.
 
@@ -235,15 +197,10 @@ class DisplacedTies:
         coordinates (r,) of rigid links and ends that the rows are.
     """
 
-    def __init__(
-        self,
-        pose: RigidPose,
-        rows: list[list[DisplacedRows]],
-        at_points: Sequence[tuple[int, IntArray, BodyPoint]],
-        at_coordinates: Sequence[tuple[int, IntArray, IntArray]],
-    ) -> None:
-        self.pose, self.rows = pose, rows
-        self._at_points, self._at_coordinates = at_points, at_coordinates
+    pose: RigidPose
+    rows: list[list[DisplacedRows]]
+    at_points: Sequence[tuple[int, IntArray, BodyPoint]]
+    at_coordinates: Sequence[tuple[int, IntArray, IntArray]]
 
     def geometric_stiffness(
         self, forces: Sequence[FloatArray], rotation_stiffness: Mapping[int, FloatArray]
@@ -264,21 +221,21 @@ class DisplacedTies:
         """
         pose, total = self.pose, np.zeros_like(self.pose.y)
         motion, rigid, (bodies, slid) = pose.motion, pose.rigid, pose.after
-        for link, rows, among in self._at_coordinates:
+        for link, rows, among in self.at_coordinates:
             for row, coordinate in zip(rows, among, strict=True):
                 total[:, coordinate] += forces[link][:, row]
         by_rotation, guide_stiffness = np.zeros(motion.angle.shape), np.zeros(slid.shape)
         for link in rigid.links:
             by_rotation[:, link] = rotation_stiffness[link]
         stiffnesses = []
-        if self._at_points:
+        if self.at_points:
             vectors = [
                 (forces[link][:, rows[0]] + 1j * forces[link][:, rows[1]])
                 * np.exp(1j * motion.angle[:, link])
-                for link, rows, _ in self._at_points
+                for link, rows, _ in self.at_points
             ]
             given = np.stack(vectors, axis=1)
-            points = rigid.constraints.points([point for _, _, point in self._at_points])
+            points = rigid.constraints.points([point for _, _, point in self.at_points])
             jacobian = points.jacobian(bodies, pose.before[0].turn, slid)
             total += np.einsum("bpi,bp->bi", jacobian[:, ::2], given.real)
             total += np.einsum("bpi,bp->bi", jacobian[:, 1::2], given.imag)

@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.chains import with_entries
-from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linear_system.links.stressed_links import StressedLinks
+from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
 from flexmech.linkages import RigidMotion, Topology
 
 STILL = np.zeros(())  # a turn by no angle

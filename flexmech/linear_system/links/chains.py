@@ -76,16 +76,6 @@ def times(matrix: FloatArray, columns: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(product.reshape(batch, rows, count))
 
 
-def as_real(columns: NDArray[Any]) -> FloatArray:
-    """Columns (B, n, m), each complex one as two: its real and its imaginary part."""
-    return np.ascontiguousarray(columns).view(float)
-
-
-def as_given(real: FloatArray, columns: NDArray[Any]) -> NDArray[Any]:
-    """Columns (B, n, m) of the type of ``columns`` from their real and imaginary parts."""
-    return np.ascontiguousarray(real).view(columns.dtype)
-
-
 def with_entries(
     matrix: FloatArray, rows: IntArray, columns: IntArray, values: FloatArray
 ) -> FloatArray:

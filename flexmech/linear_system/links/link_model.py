@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import with_entries
+from flexmech.linear_system.links.chains import in_positions, with_entries
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
-from flexmech.linkages import LinkBody, LinkMass
+from flexmech.linkages import LinkBody, LinkMass, RigidMotion
 
 NONE = np.zeros(0, dtype=np.intp)
 NO_VECTORS = np.zeros((2, 0), dtype=np.intp)
@@ -58,32 +60,6 @@ class EndMatrices:
     gyroscopic: FloatArray
     damping: FloatArray
     readings: LinkReadings
-
-
-@dataclass(frozen=True)
-class WholeLink:
-    """Full matrices of a link, (n, n); see :class:`LinkModel`.
-
-    Parameters
-    ----------
-    mass, gyroscopic, centrifugal_mass : ndarray, shape (n, n)
-    end_mass, end_gyroscopic : ndarray, shape (n, n)
-        See :class:`EndMatrices`.
-    """
-
-    mass: FloatArray
-    gyroscopic: FloatArray
-    centrifugal_mass: FloatArray
-    end_mass: FloatArray
-    end_gyroscopic: FloatArray
-
-    def at(self, designs: IntArray) -> WholeLink:
-        """Matrices (B, n, n) in positions of several designs."""
-        return WholeLink(*(matrix[designs] for matrix in vars(self).values()))
-
-    def __add__(self, other: WholeLink) -> WholeLink:
-        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
-        return WholeLink(*(own + more for own, more in pairs))
 
 
 @dataclass(frozen=True)
@@ -133,7 +109,7 @@ class LinkModel:
         Coordinate ``cos(phi) - 1`` of the free shaft that the link is clamped to, where its
         coordinates are natural ones.
     rigid : bool
-        Whether the link is rigid; see :func:`flexmech.linear_system.links.rigid_link`.
+        Whether the link is rigid; see :func:`flexmech.linear_system.rigid_link`.
     bodies : tuple of RigidBody
         Part of the straight link's matrices. A rigid link is one, mass off the axis one a node.
     uncounted_rotary_inertia : float or ndarray, shape (D,)
@@ -221,8 +197,8 @@ class LinkModel:
         rows[np.arange(3), own] = 1.0
         return own, rows
 
-    def inertia_change(self, turns: Sequence[FloatArray]) -> WholeLink | None:
-        """Change of the matrices of the straight link by rotated bodies.
+    def inertia_change(self, turns: Sequence[FloatArray]) -> FloatArray | None:
+        """Change of :attr:`inertia` of the straight link by rotated bodies.
 
         Parameters
         ----------
@@ -231,8 +207,8 @@ class LinkModel:
 
         Returns
         -------
-        WholeLink or None
-            Matrices (B, n, n); None where no body is off the axis, and of a rigid link.
+        ndarray, shape (5, B, n, n), or None
+            None where no body is off the axis, and of a rigid link.
         """
         pairs = zip(self.bodies, turns, strict=True)
         turned = [(body, angle) for body, angle in pairs if body.is_off_axis]
@@ -240,27 +216,22 @@ class LinkModel:
             return None
         change = np.stack([body.inertia_change(angle) for body, angle in turned], axis=-3)
         rows = np.stack([body.rows for body, _ in turned])
-        own_ends = [b.rows if b.end_rows is None else b.end_rows for b, _ in turned]
-
-        def by(columns: FloatArray, which: int) -> FloatArray:
-            forces = change[which] @ columns
-            across = rows.reshape(-1, self.size).T
-            return np.asarray(across @ forces.reshape(*forces.shape[:-3], -1, self.size))
-
-        ends = np.stack(own_ends)
-        return WholeLink(*(by(rows, n) for n in range(3)), *(by(ends, n) for n in range(2)))
+        ends = np.stack([b.rows if b.end_rows is None else b.end_rows for b, _ in turned])
+        forces = np.concatenate([change @ rows, change[:2] @ ends])
+        across = rows.reshape(-1, self.size).T
+        return np.asarray(across @ forces.reshape(*forces.shape[:-3], -1, self.size))
 
     @property
     def attached_off_axis(self) -> list[RigidBody]:
         """Bodies off the axis besides distributed mass."""
         return [body for body in self.bodies if body.is_off_axis and not body.of_section]
 
-    def whole(self) -> WholeLink:
-        """Full matrices of inertia of the link and of its ends."""
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Mass, gyroscopic and centrifugal mass, and the first two by the ends, (5, ..., n, n)."""
         ends = self.ends
-        return WholeLink(
-            self.mass, self.gyroscopic, self.centrifugal_mass, ends.mass, ends.gyroscopic
-        )
+        every = self.mass, self.gyroscopic, self.centrifugal_mass, ends.mass, ends.gyroscopic
+        return np.stack(every)
 
     @property
     def ends(self) -> EndMatrices:
@@ -284,11 +255,9 @@ class LinkModel:
         """Number of coordinates n."""
         return int(self.mass.shape[-1])
 
-    @property
+    @cached_property
     def mass_root(self) -> FloatArray:
-        """``L`` with ``L L^T`` the mass matrix, (n, n); of a rigid link that may be singular."""
-        if not self.rigid:
-            return np.asarray(np.linalg.cholesky(self.mass), dtype=float)
+        """``L`` with ``L L^T`` the mass matrix, which may be singular, (n, n)."""
         values, vectors = np.linalg.eigh(self.mass)
         return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)), dtype=float)
 
@@ -323,40 +292,6 @@ class LinkModel:
                 unit[getattr(self, end), place] = 1.0
         return unit
 
-    def held_by(self, kept: dict[str, IntArray], stiffness: FloatArray) -> LinkModel:
-        """The link by the displacements of its joined ends alone, for its stiffness alone.
-
-        Parameters
-        ----------
-        kept : dict
-            As in :meth:`projected`.
-        stiffness : ndarray, shape (..., b, b)
-        """
-        none = np.zeros_like(stiffness)
-        return replace(
-            self._by_ends(kept),
-            mass=none,
-            gyroscopic=none,
-            centrifugal_mass=none,
-            damping=none,
-            stiffness=stiffness,
-            is_axial=np.zeros(stiffness.shape[-1], dtype=bool),
-            receding=NONE,
-            bodies=(),
-        )
-
-    def _by_ends(self, kept: dict[str, IntArray]) -> LinkModel:
-        """The link with other coordinates of its ends, which do not warp."""
-        return replace(
-            self,
-            start=kept["start"],
-            end=kept["end"],
-            start_rotation=kept.get("start_rotation", NONE),
-            end_rotation=kept.get("end_rotation", NONE),
-            start_warping=NONE,
-            end_warping=NONE,
-        )
-
     def projected(self, basis: FloatArray, kept: dict[str, IntArray]) -> LinkModel:
         """The link in reduced coordinates p, with ``q = basis @ p``.
 
@@ -379,10 +314,16 @@ class LinkModel:
             damping=across @ self.damping @ unit,
             readings=self.readings.projected(unit),
         )
-        size = np.abs(basis).reshape(-1, *basis.shape[-2:]).sum(axis=0)
+        size = np.abs(basis).sum(axis=tuple(range(basis.ndim - 2)))
         axial = size[self.is_axial].sum(axis=0) > size[~self.is_axial].sum(axis=0)
         return replace(
-            self._by_ends(kept),
+            self,
+            start=kept["start"],
+            end=kept["end"],
+            start_rotation=kept.get("start_rotation", NONE),
+            end_rotation=kept.get("end_rotation", NONE),
+            start_warping=NONE,
+            end_warping=NONE,
             mass=project(self.mass),
             gyroscopic=project(self.gyroscopic),
             centrifugal_mass=project(self.centrifugal_mass),
@@ -395,4 +336,132 @@ class LinkModel:
             receding=np.flatnonzero(size[self.receding].any(axis=0)),
             reduced_ends=ends,
             bodies=tuple(body.projected(basis, unit) for body in self.bodies),
+        )
+
+
+def rigid_link(name: str, mass: LinkMass) -> LinkModel:
+    """Model of a rigid link in the displacement of its start and its rotation.
+
+    With the place r of its matter from the start, the displacement is ``u + phi J r``.
+
+    Parameters
+    ----------
+    name : str
+    mass : LinkMass
+        Distributed, in points and in bodies.
+
+    Returns
+    -------
+    LinkModel
+        Without coordinates of its end, which depends on the three.
+    """
+    body = RigidBody.of_link(mass)
+    inertia, gyroscopic, translational = body.matrices(np.zeros(()))
+    along, across = body.first_moment
+    nothing = np.zeros((3, 3))
+    ends = np.array([0.0, mass.length])
+    # Both ends of a rigid bar with the rotation of each.
+    bar = np.zeros((6, 3))
+    bar[:3] = bar[3:] = np.eye(3)
+    bar[4, 2] = mass.length
+    start, rotation = np.array([0, 1]), np.array([2])
+    along_it, across_it, turning = np.eye(3)
+    return LinkModel(
+        name=name,
+        mass=inertia,
+        gyroscopic=gyroscopic,
+        centrifugal_mass=translational,
+        first_moment=np.array(
+            [[across, -along, -body.translational_inertia], [along, across, 0.0]]
+        ),
+        stiffness=nothing,
+        damping=nothing,
+        is_axial=np.zeros(3, dtype=bool),
+        start=start,
+        end=NONE.copy(),
+        start_rotation=rotation,
+        end_rotation=rotation,
+        readings=LinkReadings(ends, 3, _straight, slope=2, deflection=None, basis=bar),
+        fields=RigidFields(along_it, across_it, np.zeros(3), turning),
+        vectors=start[:, None],
+        rigid=True,
+        bodies=(body,),
+    )
+
+
+def _straight(fraction: FloatArray, length: FloatArray) -> FloatArray:
+    """Displacement of a bar whose ends are (u, v, phi) each, (s, 2, 6)."""
+    shapes = np.zeros((len(fraction), 2, 6))
+    for component in (0, 1):
+        shapes[:, component, component] = 1 - fraction
+        shapes[:, component, 3 + component] = fraction
+    return shapes
+
+
+@dataclass(frozen=True)
+class StressedLinks:
+    """Tangent stiffness, damping and forces of each link in a state of stress.
+
+    The internal force of a link near that state is
+    ``internal_force + tangent @ (q - displacement)``, all in its link frame.
+
+    Parameters
+    ----------
+    tangent : list of ndarray, shape (n, n) or (B, n, n)
+    displacement : list of ndarray, shape (B, n), or None
+        Displacement of the state; None for links taken as straight.
+    internal_force : list of ndarray, shape (B, n), or None
+        Internal force of the state; None for straight links, where there is none, and
+        where an engine does not provide it.
+    damping : list of ndarray, shape (B, n, n), or None
+        Damping matrix in the state; None for that of the straight links. A bowed link that
+        bends further is not stretched along its axis, and must not be damped as if it were.
+    loads : list of ndarray, shape (B, n), or None
+        Forces on the links in the state; None where there are none, or an engine does not
+        provide them.
+    guide_stiffness : ndarray, shape (B, n_sliders), or None
+        Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
+    unstressed : bool
+        Whether the tangents are the links' own stiffness, those of designs as they are.
+    motion : RigidMotion, or None
+        Of the linkage in these positions, a batch of shape (B,); None where it is not kept.
+    """
+
+    tangent: Sequence[FloatArray]
+    displacement: list[FloatArray] | None = None
+    internal_force: list[FloatArray] | None = None
+    damping: Sequence[FloatArray] | None = None
+    loads: list[FloatArray] | None = None
+    guide_stiffness: FloatArray | None = None
+    unstressed: bool = False
+    motion: RigidMotion | None = None
+
+    @classmethod
+    def unloaded(cls, links: Sequence[LinkModel]) -> Self:
+        """Straight links without stress."""
+        return cls([link.stiffness for link in links], unstressed=True)
+
+    def at(self, which: slice | IntArray) -> Self:
+        """Links in chosen positions of the batch, which may be repeated.
+
+        Parameters
+        ----------
+        which : slice or ndarray of int
+        """
+        motion = self.motion and self.motion.at(which)
+        if self.unstressed:
+            return replace(self, motion=motion)
+
+        def chosen(values: list[FloatArray] | None) -> list[FloatArray] | None:
+            return None if values is None else [v[which] for v in values]
+
+        return replace(
+            self,
+            tangent=[in_positions(t, which) for t in self.tangent],
+            displacement=chosen(self.displacement),
+            internal_force=chosen(self.internal_force),
+            damping=self.damping and [d[which] for d in self.damping],
+            loads=chosen(self.loads),
+            guide_stiffness=None if self.guide_stiffness is None else self.guide_stiffness[which],
+            motion=motion,
         )

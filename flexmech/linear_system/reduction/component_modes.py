@@ -1,5 +1,6 @@
 """Component-mode reduction of each link (Craig & Bampton 1968, with inertia relief).
 
+*AIAA Journal* 6, 1313-1319. The boundary of a link are the coordinates that its joints move.
 The basis of a link has the constraint modes of its joined ends, displacements and of welded ones
 rotations; inertia-relief modes, which compensate the truncated modes quasi-statically (MacNeal
 1971; Rubin 1975); and its lowest fixed-interface modes. Bending and stretching are reduced
@@ -42,14 +43,295 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
+from flexmech.linear_system.joints.joint_coordinates import held_ends, joint_points
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import same_of_all
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linear_system.reduction.fixed_interface_modes import (
-    FixedInterfaceLink,
-    fix_interfaces,
-)
-from flexmech.linkages import Topology
+from flexmech.linkages import LinkEnd, Topology
+from flexmech.linkages.topology import End
+
+ENDS: tuple[End, ...] = ("start", "end")
+
+
+@dataclass(frozen=True)
+class LinkBoundary:
+    """Fixed and boundary coordinates of a link at its joints.
+
+    Parameters
+    ----------
+    fixed : ndarray of bool, shape (n,)
+        Fixed by the ground, the shaft or the fitting of a joint.
+    unit : ndarray, shape (n, b)
+        Unit displacement of each boundary coordinate: of one coordinate of the link, or of all
+        that rotate with a welded end.
+    kept : dict of str to ndarray of int
+        Which of them are displacements of ``start`` and ``end``, and ``start_rotation`` and
+        ``end_rotation``.
+    dependent : ndarray of int, shape (k,)
+        Which of them are displacements that depend on another link, or on a line.
+    """
+
+    fixed: NDArray[np.bool_]
+    unit: FloatArray
+    kept: dict[str, IntArray]
+    dependent: IntArray
+
+    @property
+    def inner(self) -> IntArray:
+        """Coordinates that no joint fixes or moves, (i,)."""
+        return np.flatnonzero(~(self.fixed | self.unit.any(axis=1)))
+
+
+def link_boundary(topology: Topology, link: LinkModel) -> LinkBoundary:
+    """Coordinates of a flexible link at its joints.
+
+    Parameters
+    ----------
+    topology : Topology
+        Of its linkage.
+    link : LinkModel
+        Unreduced.
+
+    Returns
+    -------
+    LinkBoundary
+    """
+    fixed, held = np.zeros(link.size, dtype=bool), held_ends(topology)
+    turned = {clamp.link_end for clamp in topology.clamps if not clamp.free}
+    for end in ENDS:
+        place = LinkEnd(link.name, end)
+        fixed[link.end_displacement(end)] |= place in held
+        fixed[link.end_rotation_of(end)] |= place in turned
+        fixed[link.end_warping_of(end)] |= place in topology.joined_ends
+    tied, welded = _tied_ends(topology), _welded_ends(topology)
+    columns: list[IntArray] = []
+    kept: dict[str, IntArray] = {}
+    for end in ENDS:
+        rows = link.end_displacement(end)
+        keeps = LinkEnd(link.name, end) in tied and not fixed[rows].any()
+        kept[end] = len(columns) + np.arange(2 if keeps else 0)
+        columns += [rows[n : n + 1] for n in range(2 if keeps else 0)]
+    for end in ENDS:
+        rows = link.end_rotation_of(end)
+        keeps = bool(len(rows)) and LinkEnd(link.name, end) in welded and not fixed[rows].any()
+        # Both ends of a bar have one rotation.
+        before = [n for n, own in enumerate(columns) if np.array_equal(own, rows)]
+        numbers = (before or [len(columns)]) if keeps else []
+        kept[f"{end}_rotation"] = np.array(numbers, dtype=np.intp)
+        columns += [rows] if len(columns) in numbers else []
+    # The section of a body off the axis is a joint too: a rigid link is welded to it.
+    arms = [body.rows.any(axis=0) for body in link.attached_off_axis]
+    taken = fixed.copy()
+    taken[np.concatenate([*columns, np.zeros(0, dtype=np.intp)])] = True
+    columns += list(np.flatnonzero(np.any(arms, axis=0) & ~taken)[:, None]) if arms else []
+    unit = np.zeros((link.size, len(columns)))
+    for number, rows in enumerate(columns):
+        unit[rows, number] = 1.0
+    ends = [kept[place.end] for place in _dependent_ends(topology) if place.link == link.name]
+    dependent = np.concatenate([np.zeros(0, dtype=np.intp), *ends])
+    return LinkBoundary(fixed, unit, kept, dependent)
+
+
+def _tied_ends(topology: Topology) -> set[LinkEnd]:
+    """Ends joined to other links, on a line, or on springs."""
+    tied = {place for tie in topology.ties for place in (tie.leader, tie.follower)}
+    tied |= {slider.link_end for slider in topology.sliders}
+    tied |= {clamp.link_end for clamp in topology.clamps if clamp.free and clamp.hub}
+    return tied | {pivot.link_end for pivot in topology.pivots if pivot.sprung}
+
+
+def _welded_ends(topology: Topology) -> set[LinkEnd]:
+    """Ends tied by welds, or clamped to a free shaft."""
+    welded = {place for weld in topology.welds for place in (weld.leader, weld.follower)}
+    return welded | {clamp.link_end for clamp in topology.clamps if clamp.free}
+
+
+def _dependent_ends(topology: Topology) -> list[LinkEnd]:
+    """Ends of flexible links that depend on another link's end, a rigid link or a line."""
+    rigid = {link.name for link in topology.links if link.rigid}
+    welded, dependent = _welded_ends(topology), []
+    for point in joint_points(topology):
+        elastic = [end for end in point.ends if end.link not in rigid]
+        # What is welded to a rigid link does not turn against its frame.
+        leaders = elastic[:1]
+        if point.slider is not None:
+            leaders = []
+        elif len(elastic) < len(point.ends):
+            leaders = [end for end in elastic if end in welded][:1]
+        dependent += [end for end in elastic if end not in leaders]
+    return dependent
+
+
+@dataclass(frozen=True)
+class FixedInterfaceModes:
+    """All vibration modes of a link with its interface fixed, normalized by the mass.
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (..., m)
+        Angular, in rad/s; ascending.
+    shapes : ndarray, shape (..., n, m)
+    """
+
+    frequency: FloatArray
+    shapes: FloatArray
+
+    @classmethod
+    def of(
+        cls, link: LinkModel, moving: IntArray, condensed: IntArray | None = None
+    ) -> FixedInterfaceModes:
+        """Modes in which some coordinates move, and others follow statically.
+
+        Parameters
+        ----------
+        link : LinkModel
+            Unreduced.
+        moving : ndarray of int, shape (m,)
+        condensed : ndarray of int, shape (k,), optional
+
+        Returns
+        -------
+        FixedInterfaceModes
+        """
+        amplitudes = np.eye(link.size)[:, moving]
+        if condensed is not None:
+            amplitudes = constraint_modes(link.stiffness, amplitudes, condensed)[0]
+        across = np.swapaxes(amplitudes, -1, -2)
+        unit_mass = np.linalg.inv(np.linalg.cholesky(across @ (link.mass @ amplitudes))) @ across
+        turned = np.swapaxes(unit_mass, -1, -2)
+        values, vectors = np.linalg.eigh(unit_mass @ (link.stiffness @ turned))
+        return cls(np.sqrt(np.abs(values)), turned @ vectors)
+
+    def below(self, frequency: FloatArray) -> int:
+        """Number of modes up to an angular frequency (...) in rad/s, the same of all designs."""
+        return same_of_all((self.frequency <= np.asarray(frequency)[..., None]).sum(axis=-1))
+
+
+@dataclass(frozen=True)
+class FixedInterfaceLink:
+    """Constraint modes and fixed-interface modes of a link.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Of n coordinates.
+    boundary : LinkBoundary
+    constraint_modes : ndarray, shape (n, b)
+        Static displacement by a unit of each boundary coordinate. These and all that follow have
+        a leading dimension where the link is of several designs.
+    flexibility : ndarray, shape (n, n)
+        Displacements by forces with the interface fixed.
+    bending, axial : FixedInterfaceModes
+    bending_relief, axial_relief : ndarray, shape (n, r)
+        Inertia-relief modes, static responses to the inertia of the constraint modes, and
+        attachment modes of couples at free ends.
+    floating_relief : ndarray, shape (n, r)
+        Inertia-relief mode of a rigid motion along the link.
+    """
+
+    link: LinkModel
+    boundary: LinkBoundary
+    constraint_modes: FloatArray
+    flexibility: FloatArray
+    bending: FixedInterfaceModes
+    axial: FixedInterfaceModes
+    bending_relief: FloatArray
+    axial_relief: FloatArray
+    floating_relief: FloatArray
+
+
+def fix_interfaces(
+    topology: Topology, links: Sequence[LinkModel], couples: Sequence[FloatArray] | None = None
+) -> tuple[FixedInterfaceLink, ...]:
+    """Constraint modes and fixed-interface modes of the flexible links of a linkage.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+        Unreduced, rigid ones among them.
+    couples : sequence of ndarray, shape (n_link, k), optional
+        Couples of springs on the links' ends, whose attachment modes are kept.
+
+    Returns
+    -------
+    tuple of FixedInterfaceLink
+    """
+    if couples is None:
+        couples = [np.zeros((link.size, 0)) for link in links]
+    pairs = zip(links, couples, strict=True)
+    return tuple(_fix_interface(topology, *pair) for pair in pairs if not pair[0].rigid)
+
+
+def _fix_interface(topology: Topology, link: LinkModel, couples: FloatArray) -> FixedInterfaceLink:
+    """Modes of a flexible link, on whose ends springs in joints exert couples (n, k)."""
+    boundary = link_boundary(topology, link)
+    static, flexibility = constraint_modes(link.stiffness, boundary.unit, boundary.inner)
+    relief = flexibility @ (link.mass @ static)
+    axial_boundary = boundary.unit[link.is_axial].any(axis=0)
+    # A link that no end ties to the ground moves along itself as a whole: one axial shape.
+    # One with fixed ends only stretches: of a slender one far too little for inertia to matter.
+    floats = bool(axial_boundary.any()) and not boundary.fixed.any()
+    axial_relief = relief[..., axial_boundary]
+    inner = boundary.inner
+    stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
+    responses = [
+        relief[..., ~axial_boundary],
+        flexibility[..., _free_ends_of_eccentric_link(link, inner)],
+        # Modes of a link whose ends turn freely converge slowly to a spring against that.
+        flexibility @ couples,
+    ]
+    return FixedInterfaceLink(
+        link=link,
+        boundary=boundary,
+        constraint_modes=static,
+        flexibility=flexibility,
+        # Where an axis off the pins couples both, bending goes along without axial force.
+        bending=FixedInterfaceModes.of(link, turning, stretching),
+        axial=FixedInterfaceModes.of(link, stretching),
+        bending_relief=np.concatenate(responses, axis=-1),
+        axial_relief=axial_relief,
+        floating_relief=axial_relief.sum(axis=-1, keepdims=True) if floats else relief[..., :0],
+    )
+
+
+def constraint_modes(
+    stiffness: FloatArray, unit: FloatArray, inner: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Constraint modes of a link, and its flexibility with the interface fixed.
+
+    Parameters
+    ----------
+    stiffness : ndarray, shape (..., n, n)
+    unit : ndarray, shape (n, b)
+        Unit displacements of the boundary.
+    inner : ndarray of int, shape (i,)
+        Coordinates that answer to them statically.
+
+    Returns
+    -------
+    ndarray, shape (..., n, b)
+    ndarray, shape (..., n, n)
+        Zero in what is fixed.
+    """
+    flexibility = np.zeros_like(stiffness)
+    grid = (..., inner[:, None], inner)
+    flexibility[grid] = np.linalg.inv(stiffness[grid])
+    return unit - flexibility @ (stiffness @ unit), flexibility
+
+
+def _free_ends_of_eccentric_link(link: LinkModel, inner: IntArray) -> IntArray:
+    """Rotations of free ends of an eccentric link, whose attachment modes are kept.
+
+    The force of a pin on an arm is a spring against the end's rotation, to which modes of the link
+    with free rotations at its ends converge slowly.
+    """
+    coupled = link.stiffness[..., link.is_axial, :][..., ~link.is_axial].any()
+    if not (coupled or any(body.of_section for body in link.bodies)):
+        return inner[:0]
+    ends = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]])
+    return ends[np.isin(ends, inner)]
+
 
 # Fixed-interface modes are kept up to this multiple of the frequency of the highest
 # mode asked for; the frequencies asked for mostly come out within 1e-5. Maps measure their
@@ -189,29 +471,20 @@ def component_modes(
     lowest = [h.bending.frequency[..., :modes] for h in fixed]
     every = np.sort(np.concatenate(lowest, axis=-1), axis=-1)
     usual_cutoff = BENDING_CUTOFF * every[..., min(modes, every.shape[-1]) - 1]
-    bending_cutoff = detail * usual_cutoff
-    # Short links stretch at frequencies like those at which they bend.
-    axial_cutoff = np.maximum(bending_cutoff, detail * AXIAL_CUTOFF * np.abs(fastest))
     if axial_modes is None:
         axial_modes = round(detail * CONDENSED_AXIAL_MODES)
-    condensed = axial_modes if couples_axially else 0
-    responses = [with_damping_shapes and bool(h.link.damping.any()) for h in fixed]
-    turning = bool(same_of_all(np.asarray(fastest) != 0))
     reduced = (
         _reduce(
             h,
-            bending_cutoff,
-            axial_cutoff,
-            condensed,
-            stretches=h.axial.below(STRETCHING_BY_INERTIA * usual_cutoff) > 0,
-            damped=damped,
-            turning=turning,
-            fine=detail > 1,
-            great_detail=detail >= GREAT_DETAIL,
+            usual_cutoff,
+            np.abs(fastest),
+            axial_modes if couples_axially else 0,
+            detail=detail,
+            damped=with_damping_shapes and bool(h.link.damping.any()),
             turning_sections=turning_sections,
             decouples_mass=decouples_mass,
         )
-        for h, damped in zip(fixed, responses, strict=True)
+        for h in fixed
     )
     own = (_unreduced(link) if link.rigid else next(reduced) for link in links)
     return ComponentModes(topology, tuple(own), decouples_mass)
@@ -225,18 +498,20 @@ def _unreduced(link: LinkModel) -> ReducedLink:
 
 def _reduce(
     fixed: FixedInterfaceLink,
-    bending_cutoff: FloatArray,
-    axial_cutoff: FloatArray,
+    usual_cutoff: FloatArray,
+    fastest: FloatArray,
     condensed_modes: int,
     *,
-    stretches: bool,
+    detail: float,
     damped: bool,
-    turning: bool,
-    fine: bool,
-    great_detail: bool,
     turning_sections: bool,
     decouples_mass: bool,
 ) -> ReducedLink:
+    """One flexible link; bending modes are kept up to ``detail`` times the usual cut-off."""
+    bending_cutoff, turning = detail * usual_cutoff, bool(same_of_all(fastest != 0))
+    # Short links stretch at frequencies like those at which they bend.
+    axial_cutoff = np.maximum(bending_cutoff, detail * AXIAL_CUTOFF * fastest)
+    stretches = fixed.axial.below(STRETCHING_BY_INERTIA * usual_cutoff) > 0
     bending = fixed.bending.shapes[..., : fixed.bending.below(bending_cutoff)]
     n_axial = fixed.axial.below(axial_cutoff)
     mass, axial = fixed.link.mass, fixed.axial.shapes[..., :n_axial]
@@ -250,7 +525,7 @@ def _reduce(
         relief = np.concatenate([relief, _damping_shapes(fixed, shapes)], axis=-1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=-1)
     candidates = fixed.axial.shapes[..., n_axial : max(n_axial, condensed_modes)]
-    if condensed_modes and great_detail and turning_sections:
+    if condensed_modes and detail >= GREAT_DETAIL and turning_sections:
         sections = _turning_sections(fixed)
         sections = np.broadcast_to(sections, (*candidates.shape[:-1], sections.shape[-1]))
         candidates = np.concatenate([candidates, sections], axis=-1)
@@ -265,7 +540,7 @@ def _reduce(
     basis = np.concatenate([static, dynamic, condensed], axis=-1)
     size = basis.shape[-1]
     is_condensed = np.arange(size) >= size - condensed.shape[-1]
-    answered = damped and turning and fine
+    answered = damped and turning and detail > 1
     return ReducedLink(
         fixed.link.projected(basis, fixed.boundary.kept),
         basis,
@@ -301,7 +576,7 @@ def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
     kinds = of_sections.reshape(nodes, -1)
     shapes = np.zeros((link.size, kinds.shape[1], waves.shape[1]))
     shapes[kinds, np.arange(kinds.shape[1])] = waves[:, None]
-    shapes[np.setdiff1d(np.arange(link.size), fixed.inner)] = 0.0
+    shapes[np.setdiff1d(np.arange(link.size), fixed.boundary.inner)] = 0.0
     return shapes.reshape(link.size, -1)
 
 
@@ -310,7 +585,7 @@ def _damping_shapes(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatArray
 
     With one damping time the forces vanish on a constraint mode, and leave a mode a mode.
     """
-    link, inner = fixed.link, fixed.inner
+    link, inner = fixed.link, fixed.boundary.inner
     if not len(inner):
         return shapes[..., :0]
     trace = (fixed.flexibility * link.damping).sum(axis=(-2, -1))

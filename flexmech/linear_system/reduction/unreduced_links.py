@@ -25,12 +25,11 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.link_place import DependentRows
-from flexmech.linear_system.links.chains import as_given, as_real, times
-from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.joints.link_ties import DependentRows
+from flexmech.linear_system.links.chains import times
+from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms
-from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linear_system.reduction.fixed_interface_modes import (
+from flexmech.linear_system.reduction.component_modes import (
     FixedInterfaceLink,
     constraint_modes,
 )
@@ -63,7 +62,7 @@ class StaticResponse:
         if self.tangent is None:
             return [(link.constraint_modes, link.flexibility) for link in self.links]
         return [
-            constraint_modes(tangent, link.boundary.unit, link.inner)
+            constraint_modes(tangent, link.boundary.unit, link.boundary.inner)
             for link, tangent in zip(self.links, self.tangent, strict=True)
         ]
 
@@ -75,11 +74,9 @@ class StaticResponse:
             np.swapaxes(modes, -1, -2) @ (matrix @ modes)
             for (modes, _), matrix in zip(self._modes, tangent, strict=True)
         ]
-        condensed = [
-            own.link.held_by(own.boundary.kept, matrix)
-            for own, matrix in zip(self.links, stiffness, strict=True)
-        ]
-        frames = LinkFrames(self.topology, condensed)
+        # Of the links' ends alone, whose stiffness is given.
+        ends = [own.link.projected(own.boundary.unit, own.boundary.kept) for own in self.links]
+        frames = LinkFrames(self.topology, ends)
         still = RotationTerms.all_or_none(False)
         matrices = frames.assemble(self.motion, stiffness, still)
         return frames, np.asarray(np.linalg.inv(matrices.stiffness))
@@ -96,7 +93,7 @@ class StaticResponse:
         -------
         list of ndarray, shape (B, n_link, m)
         """
-        real = [as_real(force) for force in forces]
+        real = [_as_real(force) for force in forces]
         frames, flexibility = self._ends
         pairs = zip(self._modes, real, strict=True)
         on_ends = [times(np.swapaxes(modes, -1, -2), force) for (modes, _), force in pairs]
@@ -106,7 +103,7 @@ class StaticResponse:
             times(modes, end) + times(inner, force)
             for (modes, inner), end, force in zip(self._modes, ends, real, strict=True)
         ]
-        return [as_given(*pair) for pair in zip(moved, forces, strict=True)]
+        return [_as_given(*pair) for pair in zip(moved, forces, strict=True)]
 
 
 Shapes = list[NDArray[Any]]
@@ -146,14 +143,14 @@ class LinkPencil:
         tuple of list of ndarray, shape (B, n_link, m)
             The coefficients of ``lambda^2``, ``lambda`` and 1.
         """
-        columns = as_real(z)
+        columns = _as_real(z)
         every: tuple[Shapes, Shapes, Shapes] = ([], [], [])
         dependent = self.frames.dependent_rows(self.motion)
         shapes = self.frames.link_coordinates(self.motion, columns)
         for number, (link, q) in enumerate(zip(self.frames.links, shapes, strict=True)):
             ends = self._dependent_ends(dependent[number], columns)
             for found, own in zip(every, self._on_link(number, link, q, ends), strict=True):
-                found.append(as_given(own, z))
+                found.append(_as_given(own, z))
         return every
 
     def projected(
@@ -230,3 +227,13 @@ class LinkPencil:
         if (terms.centripetal or terms.tangential) and len(rows):
             by_place += times(mass[..., rows], change)
         return inertia, by_rate, by_place
+
+
+def _as_real(columns: NDArray[Any]) -> FloatArray:
+    """Columns (B, n, m), each complex one as two: its real and its imaginary part."""
+    return np.ascontiguousarray(columns).view(float)
+
+
+def _as_given(real: FloatArray, columns: NDArray[Any]) -> NDArray[Any]:
+    """Columns (B, n, m) of the type of ``columns`` from their real and imaginary parts."""
+    return np.ascontiguousarray(real).view(columns.dtype)

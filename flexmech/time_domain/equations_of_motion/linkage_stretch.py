@@ -21,7 +21,7 @@ import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.linear_system import Engine, LinkFrames, LinkStretch, RotationTerms, SystemMatrices
-from flexmech.linear_system.joints.displaced_motion import link_bodies
+from flexmech.linear_system.joints.joint_coordinates import link_bodies
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (

@@ -44,7 +44,7 @@ from flexmech.linear_system import (
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
 from flexmech.linear_system.links.rigid_body import QUARTER_TURN
-from flexmech.linear_system.reduction.fixed_interface_modes import link_boundary
+from flexmech.linear_system.reduction.component_modes import link_boundary
 from flexmech.linkages import LinkEnd, Pivot, Topology
 
 # Stiffness of a rigid body's bar against that of the stiffest elastic link along itself. Between

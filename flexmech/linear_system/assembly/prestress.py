@@ -1,20 +1,24 @@
-"""Loads of a quasi-static equilibrium that depend on its displacements.
+"""Loads and forces of the state about which links are linearized: an equilibrium, or straight.
 
-These are the forces of springs, follower forces, and the inertia forces of links that rotate as
-one body (:mod:`flexmech.linear_system.links.body_forces`). An engine's solver finds
-the displacement under given forces. The loads are those at that displacement, found by Newton's
-method: the links' tangent stiffness predicts the next displacement, and the forces there are the
-next load.
+Loads of a quasi-static equilibrium depend on its displacements: the forces of springs, follower
+forces, and the inertia forces of links that rotate as one body
+(:mod:`flexmech.linear_system.links.body_forces`). An engine's solver finds the displacement under
+given forces. The loads are those at that displacement, found by Newton's method: the links' tangent
+stiffness predicts the next displacement, and the forces there are the next load.
+
+Where pins alone join straight links, their forces are those of the rigid linkage. Welds may make a
+linkage statically indeterminate: then they are those of the linear static solution. Joint forces on
+rigid links, as dead loads, are a geometric stiffness against rotation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.position_errors import (
     LESS_LOADED,
@@ -22,11 +26,16 @@ from flexmech.linear_system.joints.position_errors import (
     EquilibriumError,
     refuse_positions,
 )
-from flexmech.linear_system.links.body_forces import DisplacedInertia
-from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.joints.rigid_pose import RigidGeometricStiffness
+from flexmech.linear_system.links.body_forces import DeadMoments, DisplacedInertia
+from flexmech.linear_system.links.chains import with_entries
+from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linkages import RigidMotion
+from flexmech.linkages.inverse_dynamics import LinkForces
+from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import Mechanism
 
 # Passes of Newton's method: linkages with springs take four or five; one that takes ten times as
 # many oscillates.
@@ -35,6 +44,27 @@ MOST_PASSES = 60
 LAST_PASS = 1e-10
 # A change that is smaller than this and no longer falls is the round-off of an engine's solver.
 STAGNATED = 1e-8
+MAX_ITERATIONS = 40
+"""Of Newton's method in one load step: five do near an equilibrium; shortened steps take more."""
+LOAD_STEPS = (1, 5, 25)
+"""Where all load at once leads nowhere, it is brought on in steps, swelling along with it.
+
+Five times more each time: what 25 steps do not reach, such as a bow beyond half a link's length, is
+not the equilibrium next to the straight links.
+"""
+LAST_STEP = 5e-8
+"""Newton's method takes its last step where that turns no section, and moves no node by a part of
+the linkage's size, by more than this.
+
+The error that is left is the step's square times at most 8000 on random mechanisms, loaded twice as
+much as at their speeds: 2e-11. Forces out of balance are no measure: one that is lost in the
+round-off of a stiff link may bend a soft one that is pinned to it.
+"""
+# A link displaced by more than this part of its length is no longer near the rigid linkage,
+# about whose motion vibrations are asked for; Newton's method may have found any equilibrium.
+FARTHEST = 0.5
+# A rigid link's stiffness against its rotation alone, by its three coordinates.
+TURN = np.diag([0.0, 0.0, 1.0])
 FROZEN = RotationTerms.all_or_none(False)
 
 
@@ -187,27 +217,6 @@ def _greatest(vectors: Sequence[FloatArray]) -> FloatArray:
     return np.asarray(np.max([np.abs(v).max(axis=1) for v in vectors], axis=0), dtype=float)
 
 
-MAX_ITERATIONS = 40
-"""Of Newton's method in one load step: five do near an equilibrium; shortened steps take more."""
-LOAD_STEPS = (1, 5, 25)
-"""Where all load at once leads nowhere, it is brought on in steps, swelling along with it.
-
-Five times more each time: what 25 steps do not reach, such as a bow beyond half a link's length, is
-not the equilibrium next to the straight links.
-"""
-LAST_STEP = 5e-8
-"""Newton's method takes its last step where that turns no section, and moves no node by a part of
-the linkage's size, by more than this.
-
-The error that is left is the step's square times at most 8000 on random mechanisms, loaded twice as
-much as at their speeds: 2e-11. Forces out of balance are no measure: one that is lost in the
-round-off of a stiff link may bend a soft one that is pinned to it.
-"""
-# A link displaced by more than this part of its length is no longer near the rigid linkage,
-# about whose motion vibrations are asked for; Newton's method may have found any equilibrium.
-FARTHEST = 0.5
-
-
 def refuse_large_displacements(
     links: Sequence[LinkModel],
     motion: RigidMotion,
@@ -246,3 +255,143 @@ def refuse_large_displacements(
             f": that equilibrium is not near the rigid linkage; {LESS_LOADED} or stiffen the links",
             EquilibriumError,
         )
+
+
+def ties_beyond_pins(frames: LinkFrames) -> bool:
+    """Whether there are welds, lines, rigid links or a hub, so that pins do not tell all forces."""
+    return bool(frames.topology.welds or frames.has_arms)
+
+
+def straight_forces(
+    mechanism: Mechanism,
+    frames: LinkFrames,
+    motion: RigidMotion,
+    loads: list[FloatArray],
+    lumped: Sequence[int] | None = None,
+    connectors: Connectors | None = None,
+) -> tuple[LinkForces, RigidGeometricStiffness | None]:
+    """Forces in straight links under loads, from their linear static displacement.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    frames : LinkFrames
+        Of its unreduced links.
+    motion : RigidMotion
+        Batch of shape (B,).
+    loads : list of ndarray, shape (B, n_link)
+    lumped : sequence of int, optional
+        Number of elements of each link whose mass is lumped at their ends.
+    connectors : Connectors, optional
+        Loads and springs among the loads.
+
+    Returns
+    -------
+    LinkForces
+        Zero for rigid links.
+    RigidGeometricStiffness or None
+        Of rigid links, hubs and sliders; None where there are none.
+    """
+    if not ties_beyond_pins(frames):
+        still = mechanism.without_loads_over_time
+        return still.inverse_dynamics(motion, lumped=lumped), None
+    elastic = [link.stiffness for link in frames.links]
+    matrices = frames.assemble(motion, elastic, FROZEN)
+    moved = np.linalg.solve(matrices.stiffness, frames.gather(motion, loads)[..., None])
+    displacement = [q[..., 0] for q in frames.link_coordinates(motion, moved)]
+    unbalanced = [
+        load - q @ matrix for load, q, matrix in zip(loads, displacement, elastic, strict=True)
+    ]
+    force, moment = np.zeros((*motion.angle.shape, 2)), np.zeros(motion.angle.shape)
+    for number, link in enumerate(frames.links):
+        if not link.rigid:
+            needed, angle = -unbalanced[number], motion.angle[:, number]
+            x, y = (needed[:, row, None] for row in link.start)
+            force[:, number] = x * direction(angle) + y * normal(angle)
+            moment[:, number] = needed[:, link.start_rotation[:1]].sum(axis=1)
+    masses = mechanism.link_masses_in_order
+    if lumped is not None:
+        masses = tuple(mass.lumped(n) for mass, n in zip(masses, lumped, strict=True))
+    applied = () if connectors is None else tuple(connectors.applied(motion))
+    forces = LinkForces(motion, masses, mechanism.gravity, force, moment, (), applied)
+    if not frames.has_arms:
+        return forces, None
+    virial = None if connectors is None else connectors.virial(motion)
+    straight = np.zeros((len(motion.angle), len(frames.rigid.independent_coordinates)))
+    dead = DeadMoments.of(frames.links, motion, mechanism.gravity, loads, virial)
+    rotation_stiffness = dead.by_link([np.zeros_like(load.T) for load in loads])
+    ties = frames.displaced_ties(motion, straight)
+    return forces, ties.geometric_stiffness(unbalanced, rotation_stiffness)
+
+
+def with_rigid_links(
+    frames: LinkFrames,
+    tangent: Mapping[int, FloatArray],
+    found: RigidGeometricStiffness | None,
+    loads: list[FloatArray] | None = None,
+) -> StressedLinks:
+    """Tangents of all links from those of flexible ones.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    tangent : mapping of int to ndarray, shape (n, n) or (B, n, n)
+        Of each flexible link.
+    found : RigidGeometricStiffness, optional
+        Of rigid links, hubs and sliders.
+    loads : list of ndarray, shape (B, n_link), optional
+
+    Returns
+    -------
+    StressedLinks
+        Without a displacement.
+    """
+    if found is None:
+        return StressedLinks([tangent[number] for number in sorted(tangent)], loads=loads)
+    tangents = [
+        np.multiply.outer(found.rotation_stiffness[:, number], TURN)
+        if link.rigid
+        else tangent[number]
+        for number, link in enumerate(frames.links)
+    ]
+    for clamp in frames.topology.clamps:
+        number = frames.topology.index(clamp.link_end.link)
+        if clamp.hub and not (link := frames.links[number]).rigid:
+            turn = link.end_rotation_of(clamp.link_end.end)[:1]
+            own = found.rotation_stiffness[:, number, None]
+            tangents[number] = with_entries(tangents[number], turn, turn, own)
+    return StressedLinks(tangents, loads=loads, guide_stiffness=found.guide_stiffness)
+
+
+def element_tensions(nodes: Sequence[FloatArray], forces: LinkForces) -> list[FloatArray]:
+    """Axial force in each element under the motion's inertia forces, in N.
+
+    With the crank held most linkages are statically determinate: the linear static
+    solution's axial force is that of the rigid linkage. It is quadratic along an element,
+    and its mean is what the element's end displacements alone would give.
+
+    Parameters
+    ----------
+    nodes : sequence of ndarray, shape (e + 1,)
+        Node positions along each link in m.
+    forces : LinkForces
+        In the links, in B positions.
+
+    Returns
+    -------
+    list of ndarray, shape (B, e, 3)
+        Legendre coefficients along each element: mean, linear, quadratic.
+    """
+    tensions = []
+    for link, places in enumerate(nodes):
+        length = np.diff(places)
+        inside = SAME_PLACE * length  # off the point masses that may sit at the nodes
+        near, middle, far = (
+            forces.axial_force(link, at)
+            for at in (places[:-1] + inside, places[:-1] + length / 2, places[1:] - inside)
+        )
+        mean = (near + 4 * middle + far) / 6
+        quadratic = (near + far - 2 * middle) / 3
+        tensions.append(np.stack([mean, (far - near) / 2, quadratic], axis=-1))
+    return tensions
