@@ -176,8 +176,8 @@ class ExudynEngine(Engine):
         refuse_large_displacements(self.clamped_links, motion, moved)
         elastic = {n: tangent[n] for n, link in enumerate(self.clamped_links) if not link.rigid}
         elastic = dead.add_stiffness(elastic, [q.T for q in moved])
-        found = self._stiffness_of_rigid(motion, moved, under.loads, dead)
-        stressed = with_rigid_links(self.clamped_frames, elastic, found, loads)
+        of_rigid = self._stiffness_of_rigid(motion, moved, under.loads, dead)
+        stressed = with_rigid_links(self.clamped_frames, elastic, of_rigid, loads)
         return replace(stressed, displacement=moved, damping=damping)
 
     def _stiffness_of_rigid(
@@ -388,7 +388,7 @@ class ExudynEngine(Engine):
         elastic = {n: tangent[n] for n, link in enumerate(links) if not link.rigid}
         dead = self._dead(motion, inertia_loads(links, motion, self.mechanism.gravity))
         stiffened = dead.add_stiffness(elastic, [q.T for q in displacement])
-        tangents = [stiffened.get(number, own) for number, own in enumerate(tangent)]
+        tangents = [stiffened.get(number, matrix) for number, matrix in enumerate(tangent)]
         shaft = self.free_shaft
         if shaft is not None and (shaft.clamp.hub or links[shaft.link].rigid):
             _, stiffness = straight_forces(

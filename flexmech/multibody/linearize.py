@@ -227,10 +227,12 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
             models.append(rigid_link(part.name, assembly.mechanism.link_mass(part.name)))
             continue
         count, size = len(part.nodes), len(part.straight)
-        own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
-        own = [part.node_map.matrix(np.zeros(size), matrix) for matrix in own]
+        of_nodes = [
+            whole[part.coordinates, part.coordinates] for whole in (mass, stiffness, damping)
+        ]
+        matrices = [part.node_map.matrix(np.zeros(size), matrix) for matrix in of_nodes]
         x, y = kind.vector_pairs(count)
-        gyroscopic, centrifugal_mass, first_moment = _inertia(own[0], x, y)
+        gyroscopic, centrifugal_mass, first_moment = _inertia(matrices[0], x, y)
         if part.bodies:
             # Mass along a rigid segment is mass of displacements, no rotary inertia.
             turns = np.arange(2, size, kind.per_node)
@@ -239,12 +241,12 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
         link_mass = assembly.mechanism.link_mass(part.name)
         link = LinkModel(
             name=part.name,
-            mass=own[0],
+            mass=matrices[0],
             gyroscopic=gyroscopic,
             centrifugal_mass=centrifugal_mass,
             first_moment=first_moment,
-            stiffness=own[1],
-            damping=own[2],
+            stiffness=matrices[1],
+            damping=matrices[2],
             is_axial=kind.is_axial(count),
             start=np.array([0, 1]),
             end=np.array([last, last + 1]),
@@ -363,14 +365,14 @@ class _Tangents:
         """Both in frames rotated by ``angle`` (B, n_links) against the model's."""
         result: tuple[list[FloatArray], list[FloatArray]] = [], []
         for link, part in enumerate(self._assembly.parts):
-            own = part.coordinates
+            columns = part.coordinates
             stiffness, damping = self._matrices[link]
             mapped = part.node_map
             if isinstance(part, BeamPart) and len(mapped.first):
-                state = self._state[:, own]
+                state = self._state[:, columns]
                 force = _internal_force(part, mapped.to_nodes(state))
                 if not part.bodies:
-                    force -= self._outer[:, own]
+                    force -= self._outer[:, columns]
                 stiffness = mapped.tangent(state, stiffness, force)
                 damping = mapped.matrix(state, damping)
             for matrices, matrix in zip(result, (stiffness, damping), strict=True):

@@ -72,8 +72,8 @@ class LinkPart:
     @property
     def firsts(self) -> IntArray:
         """First coordinate of each node among those of all links, (k,)."""
-        own, size = self.coordinates, self.kind.per_node
-        return np.arange(own.start, own.stop, size)
+        columns = self.coordinates
+        return np.arange(columns.start, columns.stop, self.kind.per_node)
 
     @cached_property
     def fields(self) -> RigidFields:
@@ -349,9 +349,9 @@ def _add_rigid(items: SystemItems, mechanism: Mechanism, name: str, start: int) 
     total, (along, across) = inertia.mass, inertia.first_moment
     centre = (along / total, across / total) if total else (0.0, 0.0)
     body = items.add_body(f"{name}_body", node, start, total, centre, inertia.second_moment)
-    own, straight = slice(start, start + kind.per_node), Arms(NONE)
+    columns, straight = slice(start, start + kind.per_node), Arms(NONE)
     nodes, bodies = [node], [body.number]
-    return LinkPart(name, mass.length, kind, np.zeros(1), nodes, bodies, own, straight)
+    return LinkPart(name, mass.length, kind, np.zeros(1), nodes, bodies, columns, straight)
 
 
 def _point_masses(mass: LinkMass, positions: FloatArray) -> FloatArray:

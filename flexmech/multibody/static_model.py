@@ -131,12 +131,12 @@ class StaticLoads:
 
     def _turning_bodies(self, link: int, part: LinkPart) -> dict[int, ItemNumber]:
         """Bodies of a link on which dead loads have moments, by their angle coordinate."""
-        found: dict[int, ItemNumber] = {}
+        bodies: dict[int, ItemNumber] = {}
         if not isinstance(part, BeamPart) or (part.bodies and part.section.mass_axis):
             angles = (part.firsts + part.kind.clamped).tolist()
-            found = dict(zip(angles, part.bodies, strict=True))
+            bodies = dict(zip(angles, part.bodies, strict=True))
         attached = (body for body in self._assembly.attached if body.link == link)
-        return found | {body.angle: body.body.number for body in attached}
+        return bodies | {body.angle: body.body.number for body in attached}
 
     def _add_couple(self, link: int, angle: int, body: ItemNumber) -> TurningBody:
         """Forces at the node of a body and at a link's length from it along the link."""

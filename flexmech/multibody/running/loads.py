@@ -87,12 +87,12 @@ class LinkEnergies:
         for number, part in assembly.beams:
             if part.bodies:
                 continue
-            own, mass = part.coordinates, links[number].mass
+            columns, mass = part.coordinates, links[number].mass
             for body in links[number].bodies:
                 mass = mass - body.rows.T @ body.matrices(np.zeros(()))[0] @ body.rows
-            self._constant[own, own] = mass
+            self._constant[columns, columns] = mass
             fields = np.stack([part.fields.along, part.fields.across])
-            self.weight[own] = mass @ (self._pull @ fields)
+            self.weight[columns] = mass @ (self._pull @ fields)
 
     def kinetic(self, position: FloatArray, velocity: FloatArray) -> FloatArray:
         """Kinetic energy, (m,), by coordinates and velocities (m, system_size)."""
@@ -366,10 +366,10 @@ class MotorOnHub:
 
         By coordinates (n, ...) and their rates, of which those of motor and hub are the last.
         """
-        own = slice(-self.count - _HUB, -_HUB)
+        motor = slice(-self.count - _HUB, -_HUB)
         if not self._train.is_coupled:
-            return velocity[own]
-        return np.concatenate([position[own][:1], velocity[own]])
+            return velocity[motor]
+        return np.concatenate([position[motor][:1], velocity[motor]])
 
     def _force(self, mbs: Any, t: float, number: int, position: Any, velocity: Any) -> list[float]:
         """User function: what the torque curve, or the control's command, does."""
@@ -384,7 +384,7 @@ class MotorOnHub:
             force[self._rotor] = motor.gear_ratio * given.torque
         if self._train.has_integral:
             force[self.count - 1] = given.rates[-1]
-        return [float(own) for own in force]
+        return [float(value) for value in force]
 
 
 def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:

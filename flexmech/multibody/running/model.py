@@ -230,18 +230,18 @@ class RunningModel:
         """
         nodes = self.assembly.nodes.to_nodes(position)
         velocity = self.assembly.nodes.rate_to_nodes(position, velocity)
-        hub, turning, own = np.zeros(3), np.zeros(3), (np.zeros(0), np.zeros(0))
+        hub, turning, between = np.zeros(3), np.zeros(3), (np.zeros(0), np.zeros(0))
         if self._motor is not None:
-            own = self._motor.start(self.shaft.angle(0.0))
+            between = self._motor.start(self.shaft.angle(0.0))
         if self.frame is not None:
             assert moved is not None
-            own = moved.displacement[0], moved.rate[0]
+            between = moved.displacement[0], moved.rate[0]
             hub[:2], turning[:2] = self.frame.at(_AXIS, moved)
-            hub[2], turning[2] = own[0][2], own[1][2]
+            hub[2], turning[2] = between[0][2], between[1][2]
         hub[2] += self.shaft.angle(0.0)
         turning[2] += self.shaft.motion(0.0)[1]
-        coordinates = np.concatenate([nodes, own[0], hub])
-        rates = np.concatenate([velocity, own[1], turning])
+        coordinates = np.concatenate([nodes, between[0], hub])
+        rates = np.concatenate([velocity, between[1], turning])
         initial = load_exudyn().ConfigurationType.Initial
         data = self.assembly.mbs.systemData
         data.SetODE2Coordinates(coordinates, initial)
@@ -351,6 +351,6 @@ def _plain_pieces(drive: Drive) -> tuple[Any, ...]:
     law, begin = drive.law, float(drive.crank_angle(0.0))
     spans, polynomials = np.diff(law.knots), law.polynomials.copy()
     polynomials[:, 0] -= begin
-    sines = (tuple(tuple(own) for own in rows if own[0]) for rows in law.sines.tolist())
+    sines = (tuple(tuple(sine) for sine in rows if sine[0]) for rows in law.sines.tolist())
     times = law.knots[:-1].tolist(), spans.tolist()
     return tuple(zip(*times, map(tuple, polynomials.tolist()), sines, strict=True))

@@ -334,8 +334,8 @@ def _added(items: Sequence[Item]) -> Iterator[str]:
         return
     varied = [key for key in first.values if any(v[key] != values[0][key] for v in values)]
     rows = [
-        [quoted(item.name), *(own[key] for key in varied)]
-        for item, own in zip(items, values, strict=True)
+        [quoted(item.name), *(given[key] for key in varied)]
+        for item, given in zip(items, values, strict=True)
     ]
     table = Brackets("[", columns(rows), "]")
     yield from statement(f"for {', '.join(['name', *varied])} in ", table, ":")
@@ -357,8 +357,8 @@ def _start(
     first = 0
     for item in items:
         if count := _COORDINATES.get(item.type, 0):
-            own = slice(first, first + count)
-            both = expression(coordinates[own]), expression(rates[own])
+            node = slice(first, first + count)
+            both = expression(coordinates[node]), expression(rates[node])
             yield Brackets("(", both, ")", f"{quoted(item.name)}: ")
             first += count
 

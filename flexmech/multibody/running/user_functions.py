@@ -561,8 +561,8 @@ def load_history(
             where = t
             if over == "crank_angle":
                 where = (shaft.angle(t) - crank_lead) % (2 * math.pi)
-            found = [float(np.interp(where, at, column)) for column in chosen]
-            last = (t, [0.0, 0.0, *found] if is_torque else [*found, 0.0])
+            now = [float(np.interp(where, at, column)) for column in chosen]
+            last = (t, [0.0, 0.0, *now] if is_torque else [*now, 0.0])
         return last[1]
 
     return values
