@@ -75,7 +75,7 @@ def has_constant_tangents(tangents: ConnectedMatrices, motion: RigidMotion) -> b
 def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     """Whether all forces on the links are constant in the link frames over the positions.
 
-    It is computed: no link turns against another one, and the forces of inertia, gravity, loads
+    It is computed: the frame stands, no link turns against another one, and the forces of inertia, gravity, loads
     and springs on the straight links, and the stiffness of springs, are constant.
 
     Parameters
@@ -88,7 +88,7 @@ def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     -------
     bool
     """
-    if has_relative_motion(engine.topology):
+    if has_relative_motion(engine.topology) or engine.mechanism.frame is not None:
         return False
     links, connectors = engine.clamped_links, engine.connectors
     # Together: a spring without tension pulls by round-off, which differs at all positions.

@@ -357,9 +357,8 @@ class Engine(EngineLinks):
                 "modes or more elements",
                 most_modes=system.size,
             )
-        if (frame := self.mechanism.frame) is not None:
-            gravity, bases = self.mechanism.gravity, system.bases
-            carried = CarriedLinkage.of(frame, system.frames, self.links, gravity, bases)
+        carried = CarriedLinkage.of(self.mechanism, system.frames, self.links, system.bases)
+        if carried is not None:
             matrices = SystemMatrices(system.mass, system.damping, system.stiffness)
             matrices = carried.added(system.motion, matrices, terms, system.expansion)
             system = replace(system, **vars(matrices), carried=carried, unit_mass_from=None)

@@ -28,9 +28,10 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.link_inertia import LinkInertia, field_coefficients
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
+from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal, quarter_turn
-from flexmech.mechanism import SprungFrame
+from flexmech.mechanism import Mechanism, SprungFrame
 
 COORDINATES = 3
 """Of a frame: displacement of its centre of mass along x and y, rotation."""
@@ -60,28 +61,28 @@ class CarriedLinkage:
     @classmethod
     def of(
         cls,
-        frame: SprungFrame,
+        mechanism: Mechanism,
         frames: LinkFrames,
         links: Sequence[LinkModel],
-        gravity: tuple[float, float],
         bases: Sequence[FloatArray] | None = None,
-    ) -> Self:
-        """Those of links, reduced or not.
+    ) -> Self | None:
+        """Links of a mechanism, reduced or not, on its frame; None where that stands.
 
         Parameters
         ----------
-        frame : SprungFrame
+        mechanism : Mechanism
         frames : LinkFrames
         links : sequence of LinkModel
             Unreduced.
-        gravity : tuple of float
         bases : sequence of ndarray, shape (n_full, n_link), optional
             From the coordinates of ``frames`` to those of the unreduced links.
 
         Returns
         -------
-        CarriedLinkage
+        CarriedLinkage or None
         """
+        if mechanism.frame is None:
+            return None
         if bases is None:
             bases = [np.eye(link.size) for link in links]
         inertias, of_ends = [], []
@@ -92,7 +93,33 @@ class CarriedLinkage:
             alone = own.reduced_ends is not None
             unit = full.end_basis(own.size, kept) if alone else basis
             of_ends.append(LinkInertia.of(own, full, unit))
-        return cls(frame, frames, tuple(inertias), tuple(of_ends), gravity)
+        own = tuple(inertias), tuple(of_ends)
+        return cls(mechanism.frame, frames, *own, mechanism.gravity)
+
+    def connected(self, own: ConnectedMatrices | None, batch: int) -> ConnectedMatrices:
+        """Matrices of connectors of the linkage, with the dampers of the frame.
+
+        Parameters
+        ----------
+        own : ConnectedMatrices or None
+            In the coordinates of ``frames``, (B, size, size); None where there are none.
+        batch : int
+            Number B of positions.
+
+        Returns
+        -------
+        ConnectedMatrices
+            (B, size + 3, size + 3).
+        """
+        size = self.frames.size
+        stiffness, damping, rate = np.zeros((3, batch, size + COORDINATES, size + COORDINATES))
+        if own is not None:
+            stiffness[:, :size, :size] = own.stiffness
+            damping[:, :size, :size] = own.damping
+            rate[:, :size, :size] = own.rate_stiffness
+        damping[:, size:, size:] = self.frame.damping
+        conservative = not self.frame.damping.any() and (own is None or own.is_conservative)
+        return ConnectedMatrices(stiffness, damping, rate, conservative)
 
     def fields(self, motion: RigidMotion) -> FloatArray:
         """Rigid displacement of each link by the frame's coordinates.

@@ -114,13 +114,10 @@ class DrivenLinkage:
         self._from_engine = [link.from_engine for link in reduced.unreduced]
         self.bases = reduced.engine_bases
         self.frames = LinkFrames(reduced.topology, self.links)
-        frame, gravity = engine.mechanism.frame, engine.mechanism.gravity
-        self.carried = None
-        if frame is not None:
+        own = engine.mechanism, self.frames, self.unreduced, self.run_bases
+        self.carried = CarriedLinkage.of(*own)
+        if self.carried is not None:
             engine.require_prescribed_shaft("a linkage whose frame is on springs")
-            self.carried = CarriedLinkage.of(
-                frame, self.frames, self.unreduced, gravity, self.run_bases
-            )
         self._motor = shaft_torque
         self.rotor = None if shaft_torque is None else shaft_torque.coupling
         others = int(self.rotor is not None) if self.carried is None else COORDINATES
