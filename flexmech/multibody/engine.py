@@ -309,7 +309,6 @@ class ExudynEngine(Engine):
             If a step does not converge; names its time and the crank angle.
         """
         self.require_prescribed_shaft("a record of points")
-        self.require_standing_frame("a record of points")
         check_number(step, "step", "s", POSITIVE)
         model = self._running(drive, steps * step, impacts)
         recorder = PointRecorder(self.mechanism.linkage.topology, self.clamped_links, points)

@@ -55,7 +55,7 @@ def simulation_start(engine: Engine, request: ResponseRequest, step: float) -> L
         return LinkState.rigid(engine.links)
     if request.start == "equilibrium":
         return replace(
-            _equilibrium(engine, request.drive), frame=_frame_at_rest(engine, request.drive)
+            _equilibrium(engine, request.drive), frame=frame_at_rest(engine, request.drive)
         )
     return _on_periodic_motion(engine, request, step)
 
@@ -158,8 +158,11 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
     )
 
 
-def _frame_at_rest(engine: Engine, drive: Drive) -> FrameMotion | None:
-    """Quasi-static displacement of a frame on springs at time zero, and how fast it changes."""
+def frame_at_rest(engine: Engine, drive: Drive) -> FrameMotion | None:
+    """Quasi-static displacement of a frame on springs at time zero, and how fast it changes.
+
+    None where the frame stands.
+    """
     if engine.mechanism.frame is None:
         return None
     linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False)
@@ -319,7 +322,9 @@ def _stretching_on_periodic_motion(
 
 
 def _start_times(drive: Drive) -> FloatArray:
-    return np.asarray(_START_INTERVAL * drive.cycle_time * np.arange(3.0), dtype=float)
+    # A locked crank has no cycle, and stands at all times alike.
+    cycle = drive.cycle_time if np.isfinite(drive.cycle_time) else 1.0
+    return np.asarray(_START_INTERVAL * cycle * np.arange(3.0), dtype=float)
 
 
 def _rate(position: FloatArray, time: FloatArray) -> FloatArray:

@@ -17,6 +17,7 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import LINK_DIRECTIONS, LinkDirection
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system.assembly.system import LinearSystem
+from flexmech.linear_system.joints.carried_linkage import COORDINATES
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import Topology
 from flexmech.validation import Bounds, check_choice, check_instance, check_number
@@ -152,8 +153,9 @@ def point_rows(system: LinearSystem, point: LinkPoint, direction: LinkDirection)
     Returns
     -------
     ndarray, shape (B, n)
-        ``rows[b] @ z`` is the displacement in m in position b. A unit force there in that
-        direction is the generalized force ``rows[b]``.
+        ``rows[b] @ z`` is the displacement in m in position b, against the ground where a frame on
+        springs carries the linkage. A unit force there in that direction is the generalized force
+        ``rows[b]``.
 
     Raises
     ------
@@ -164,4 +166,9 @@ def point_rows(system: LinearSystem, point: LinkPoint, direction: LinkDirection)
     number = point.index(frames.topology)
     row = displacement_row(frames.links[number], point.fraction, direction)
     unit = np.broadcast_to(np.eye(system.size), (len(system.mass), system.size, system.size))
-    return np.asarray(row @ system.link_coordinates(unit)[number])
+    rows = np.asarray(row @ system.link_coordinates(unit)[number])
+    if (carried := system.carried) is not None:
+        place = point.fraction * frames.topology.links[number].length
+        unit = np.array([1.0, 0.0, 0.0] if direction == "axial" else [0.0, 1.0, place])
+        rows[:, -COORDINATES:] += unit @ carried.fields(system.motion)[number]
+    return rows

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.link_inertia import LinkInertia, field_coefficients
+from flexmech.linear_system.links.link_inertia import FIELDS, LinkInertia, field_coefficients
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
@@ -43,20 +43,21 @@ class CarriedLinkage:
 
     Parameters
     ----------
-    frame : SprungFrame
+    mechanism : Mechanism
+        With the frame.
     frames : LinkFrames
     inertias, of_ends : tuple of LinkInertia
         Of each link by its coordinates, and by those of its joined ends alone, which carry nothing
         with them: see :class:`flexmech.linear_system.links.link_model.EndMatrices`.
-    gravity : tuple of float
-        In ground axes, m/s^2.
+    rigid : tuple of ndarray, shape (n_full, 3)
+        Of each unreduced link for unit displacements along and across it and unit rotation.
     """
 
-    frame: SprungFrame
+    mechanism: Mechanism
     frames: LinkFrames
     inertias: tuple[LinkInertia, ...]
     of_ends: tuple[LinkInertia, ...]
-    gravity: tuple[float, float]
+    rigid: tuple[FloatArray, ...]
 
     @classmethod
     def of(
@@ -85,7 +86,7 @@ class CarriedLinkage:
             return None
         if bases is None:
             bases = [np.eye(link.size) for link in links]
-        inertias, of_ends = [], []
+        inertias, of_ends, rigid = [], [], []
         for own, full, basis in zip(frames.links, links, bases, strict=True):
             inertias.append(LinkInertia.of(own, full, basis))
             names = ("start", "end", "start_rotation", "end_rotation")
@@ -93,8 +94,21 @@ class CarriedLinkage:
             alone = own.reduced_ends is not None
             unit = full.end_basis(own.size, kept) if alone else basis
             of_ends.append(LinkInertia.of(own, full, unit))
-        own = tuple(inertias), tuple(of_ends)
-        return cls(mechanism.frame, frames, *own, mechanism.gravity)
+            names = FIELDS[:COORDINATES]
+            rigid.append(np.stack([getattr(full.fields, name) for name in names], axis=1))
+        own = tuple(inertias), tuple(of_ends), tuple(rigid)
+        return cls(mechanism, frames, *own)
+
+    @property
+    def frame(self) -> SprungFrame:
+        """The frame that carries the linkage."""
+        assert self.mechanism.frame is not None
+        return self.mechanism.frame
+
+    @property
+    def gravity(self) -> tuple[float, float]:
+        """In ground axes, m/s^2."""
+        return self.mechanism.gravity
 
     def connected(self, own: ConnectedMatrices | None, batch: int) -> ConnectedMatrices:
         """Matrices of connectors of the linkage, with the dampers of the frame.
@@ -141,6 +155,25 @@ class CarriedLinkage:
         found[..., :2, 2] = (axes @ quarter_turn(arm)[..., None])[..., 0]
         found[..., 2, 2] = 1.0
         return np.swapaxes(found, 0, 1)
+
+    def on_frame(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> FloatArray:
+        """Forces and moment on the frame of loads on the links that act from outside.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        loads : sequence of ndarray, shape (B, n_full) or (n_full,)
+            On each unreduced link in its frame. Of a row that reads a displacement against the ground, what
+            the coordinates of the frame add to it.
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+        """
+        resultants = (load @ rigid for load, rigid in zip(loads, self.rigid, strict=True))
+        pairs = zip(self.fields(motion), resultants, strict=True)
+        return np.asarray(sum((own[..., None, :] @ field)[:, 0] for field, own in pairs))
 
     def added(
         self,

@@ -179,8 +179,8 @@ class DrivenLinkage:
         ----------
         time : ndarray, shape (m,)
             In s.
-        pushed : sequence of ndarray, shape (m, n_link), optional
-            The others, on the reduced links in their frames.
+        pushed : sequence of ndarray, shape (m, n_full), optional
+            The others, on the unreduced links in their frames.
 
         Returns
         -------
@@ -194,8 +194,12 @@ class DrivenLinkage:
         if self.shaft is not None and not self.shaft.has_motor:
             force += self.shaft.force(motion, self.shaft.balance(motion, force))
         if pushed is not None:
-            force += self.frames.gather(motion, pushed)
-        return np.pad(force, ((0, 0), (0, len(self.condensed) - self.frames.size)))
+            reduced = [f @ basis for f, basis in zip(pushed, self.run_bases, strict=True)]
+            force += self.frames.gather(motion, reduced)
+        force = np.pad(force, ((0, 0), (0, len(self.condensed) - self.frames.size)))
+        if pushed is not None and self.carried is not None:
+            force[:, -COORDINATES:] += self.carried.on_frame(motion, pushed)
+        return force
 
     def equations(
         self, time: FloatArray, *, frozen: bool = False, tables: bool = True

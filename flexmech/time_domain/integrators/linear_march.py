@@ -25,8 +25,8 @@ class LinearMarch:
     linkage : DrivenLinkage
     step : float
         In s.
-    load : sequence of ndarray, shape (n_link,), optional
-        Forces on the reduced links in their frames, of which a run can take any part at any time.
+    load : sequence of ndarray, shape (n_full,), optional
+        Forces on the unreduced links in their frames, of which a run can take any part at any time.
 
     Attributes
     ----------
@@ -131,8 +131,8 @@ def step_forces(
     linkage : DrivenLinkage
     time : ndarray, shape (m,)
         In s.
-    load : sequence of ndarray, shape (n_link,), optional
-        Forces on the reduced links in their frames.
+    load : sequence of ndarray, shape (n_full,), optional
+        Forces on the unreduced links in their frames.
     amplitude : ndarray, shape (m,), optional
         What is taken of these.
 

@@ -73,8 +73,8 @@ class StretchMarch:
     linkage : DrivenLinkage
     step : float
         h in s, half a double step.
-    load : sequence of ndarray, shape (n_link,), optional
-        Forces on the reduced links in their frames, of which a run can take any part at any time.
+    load : sequence of ndarray, shape (n_full,), optional
+        Forces on the unreduced links in their frames, of which a run can take any part at any time.
 
     Attributes
     ----------
