@@ -115,7 +115,6 @@ class DisplacedLinks:
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
         engine.require_prescribed_shaft("a quasi-static equilibrium")
-        engine.require_standing_frame("the strength of links")
         for load in engine.mechanism.loads:
             if load.over == "time":
                 raise InputError(
@@ -138,6 +137,7 @@ class DisplacedLinks:
         displacement: list[FloatArray],
         rate: list[FloatArray],
         acceleration: list[FloatArray],
+        drawn: RigidMotion | None = None,
     ) -> DisplacedLinks:
         """Links of an engine along a run.
 
@@ -150,19 +150,16 @@ class DisplacedLinks:
             In s.
         displacement, rate, acceleration : list of ndarray, shape (B, n_link)
             Of the links' coordinates, in their frames.
+        drawn : RigidMotion, optional
+            By whose velocities springs pull: that on a frame that stands, where ``motion`` has the
+            accelerations on one that moves; the same by default.
 
         Returns
         -------
         DisplacedLinks
-
-        Raises
-        ------
-        InputError
-            If the mechanism has a frame on springs.
         """
-        engine.require_standing_frame("the strength of links")
-        connectors = engine.connectors
-        acting = connectors.point_forces(motion, displacement, time) if connectors.any else ()
+        connectors, at = engine.connectors, motion if drawn is None else drawn
+        acting = connectors.point_forces(at, displacement, time) if connectors.any else ()
         links = engine.mechanism, engine.links, motion, displacement, tuple(acting)
         return cls(*links, rate, acceleration)
 
