@@ -349,7 +349,6 @@ class ExudynEngine(Engine):
             If the step or the integrator cannot be, or the start tears a joint.
         """
         self.require_prescribed_shaft("the exported system")
-        self.require_standing_frame("the exported system")
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
         model = self._running(drive, steps * step)

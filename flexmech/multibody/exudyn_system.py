@@ -40,7 +40,7 @@ def add_sensors(model: RunningModel) -> None:
     They are named as ``coupler_deflection``, ``pin_A_force`` and ``driving_torque``. A
     deflection is that of the middle off the line between the link's ends, or of a clamped
     link's tip off the tangent at its clamp; a force acts on the held or following link, in
-    ground axes.
+    ground axes. Of a frame on springs there are ``frame_place`` and ``frame_rotation``.
 
     Parameters
     ----------
@@ -48,18 +48,25 @@ def add_sensors(model: RunningModel) -> None:
     """
     assembly, items, topology = model.assembly, model.assembly.items, model.assembly.topology
     clamped = {clamp.link_end.link for clamp in topology.clamps}
+    turning = []
+    if model.frame is not None:
+        items.begin("sensors of the frame on springs")
+        node = model.frame.node
+        _add(items, "SensorNode", "frame_place", "Displacement", nodeNumber=node)
+        turning = [_add(items, "SensorNode", "frame_rotation", "Rotation", nodeNumber=node)]
     for link, part in zip(topology.links, assembly.parts, strict=True):
         if isinstance(part, RigidPart):
             continue
         points = _LinkPoints(assembly, part, link)
         items.begin(f"{link.name}: sensors of its deflection")
         around: list[ItemNumber] = []
+        beyond = turning
         given: dict[str, Any] = {"sensorUserFunction": model.shaft.tip_deflection}
         if link.name not in clamped:
-            around, fraction = points.around_middle()
+            (around, fraction), beyond = points.around_middle(), []
             given = {"factors": [fraction], "sensorUserFunction": middle_deflection}
         ends = points.at_node(0), points.at_node(len(part.nodes) - 1)
-        numbers = [ends[0], *around, ends[1]]
+        numbers = [ends[0], *around, ends[1], *beyond]
         name = f"{link.name}_deflection"
         items.add("SensorUserFunction", name, sensorNumbers=numbers, **given, **_KEPT)
     items.begin("sensors of forces and torque")
@@ -69,7 +76,7 @@ def add_sensors(model: RunningModel) -> None:
         if joint in model.sprung:
             _add(items, "SensorObject", name, "Force", objectNumber=model.sprung[joint])
         elif joint in model.sliders:
-            _add_line_force(assembly, name, model.sliders[joint])
+            _add_line_force(assembly, name, model.sliders[joint], turning)
         else:
             _add_force(items, name, model.constraints[joint])
     if model.drive_constraint is not None:
@@ -137,9 +144,10 @@ def _add_force(items: SystemItems, name: str, constraints: list[ItemNumber]) -> 
     )
 
 
-def _add_line_force(assembly: LinkAssembly, name: str, line: SliderJoint) -> None:
-    """Force of a line on the end that slides on it."""
-    turning = []
+def _add_line_force(
+    assembly: LinkAssembly, name: str, line: SliderJoint, turning: list[ItemNumber]
+) -> None:
+    """Force of a line on the end that slides on it; a line on the ground turns with a frame."""
     if line.slider.guide:
         guide = assembly.parts[assembly.topology.index(line.slider.guide)]
         node = guide.nodes[0]
