@@ -158,15 +158,15 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
     )
 
 
-def frame_at_rest(engine: Engine, drive: Drive) -> FrameMotion | None:
-    """Quasi-static displacement of a frame on springs at time zero, and how fast it changes.
+def frame_at_rest(engine: Engine, drive: Drive, begin: float = 0.0) -> FrameMotion | None:
+    """Quasi-static displacement of a frame on springs at a time, and how fast it changes.
 
     None where the frame stands.
     """
     if engine.mechanism.frame is None:
         return None
     linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False)
-    time = _start_times(drive)
+    time = begin + _start_times(drive)
     place = linkage.quasi_static_equations(time).quasi_static()[:, -COORDINATES:]
     return FrameMotion(place[:1], _rate(place, time)[None])
 
