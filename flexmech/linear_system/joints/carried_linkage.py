@@ -9,13 +9,13 @@ the acceleration, to first order in f::
 
 written in the same axes, with J a quarter turn (Shabana, *Dynamics of Multibody Systems*, ch. 5: a
 floating frame of reference). So a displaced frame does nothing to the links but for the direction
-of the weight. The forces on the frame are those of the links' inertia in ground axes: as it turns,
+of weight and loads. The forces on the frame are those of the links' inertia in ground axes: as it turns,
 the inertia forces of the rigid motion turn with it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
@@ -23,14 +23,16 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, row_products
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.link_inertia import FIELDS, LinkInertia, field_coefficients
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
+from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.motion import direction, normal, quarter_turn
+from flexmech.linkages.applied_forces import ForceOnLink, forces_of_loads
+from flexmech.linkages.motion import cross, direction, normal, quarter_turn
 from flexmech.mechanism import Mechanism, SprungFrame
 
 COORDINATES = 3
@@ -181,6 +183,7 @@ class CarriedLinkage:
         matrices: SystemMatrices,
         terms: RotationTerms,
         expansion: FloatArray | None = None,
+        time: FloatArray | None = None,
     ) -> SystemMatrices:
         """Matrices of the linkage with the coordinates of the frame, which come last.
 
@@ -193,6 +196,8 @@ class CarriedLinkage:
         terms : RotationTerms
         expansion : ndarray, shape (B, size, n), optional
             From these n coordinates to those of the link frames; they are the same by default.
+        time : ndarray, shape (B,), optional
+            In s; loads over time are left out without it.
 
         Returns
         -------
@@ -200,6 +205,7 @@ class CarriedLinkage:
             (B, n + 3, n + 3) each.
         """
         blocks = self._blocks(motion, terms)
+        self._add_loads(motion, time, blocks[2])
 
         def bordered(own: FloatArray, block: _Block) -> FloatArray:
             by_frame, on_frame = block.by_frame, block.on_frame
@@ -220,13 +226,15 @@ class CarriedLinkage:
             bordered(matrices.stiffness, blocks[2]),
         )
 
-    def load(self, motion: RigidMotion) -> FloatArray:
-        """Force of weight and of the inertia of the rigid motion on the frame.
+    def load(self, motion: RigidMotion, time: FloatArray | None = None) -> FloatArray:
+        """Force of weight, of loads and of the inertia of the rigid motion on the frame.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
+        time : ndarray, shape (B,), optional
+            In s; loads over time are left out without it.
 
         Returns
         -------
@@ -240,7 +248,32 @@ class CarriedLinkage:
         for number, inertia in enumerate(self.inertias):
             pull = self._acceleration(motion, number, gravity)
             total -= np.einsum("bkc,bk->bc", fields[number], (pull @ inertia.rigid)[:, :3])
+        for push, arm in self._pushes(motion, time):
+            moment = cross(arm, push.force) + push.torque
+            total += np.column_stack([push.force, moment])
         return total
+
+    def _pushes(
+        self, motion: RigidMotion, time: FloatArray | None
+    ) -> Iterator[tuple[ForceOnLink, FloatArray]]:
+        """Each load, in ground axes, and its arm (B, 2) from the frame's centre."""
+        topology = self.mechanism.linkage.topology
+        loads = [one for one in self.mechanism.loads if one.over != "time" or time is not None]
+        for push in forces_of_loads(topology, motion, loads, 0.0 if time is None else time):
+            yield push, motion.position(push.link, push.x) - np.asarray(self.frame.centre)
+
+    def _add_loads(self, motion: RigidMotion, time: FloatArray | None, stiffness: _Block) -> None:
+        """Add to the stiffness that loads keep their directions as the frame turns under them."""
+        topology, dependent = self.mechanism.linkage.topology, self.frames.dependent_rows(motion)
+        for push, arm in self._pushes(motion, time):
+            length = topology.links[push.link].length
+            fraction = float(push.x) / length
+            point = AttachedPoint.of(self.frames.links, push.link, fraction, length)
+            moved = PointJacobian.of(point, self.frames, motion, dependent[push.link]).value
+            leaning = np.einsum("bk,bkn->bn", quarter_turn(push.force), moved[:, :2])
+            stiffness.by_frame[:, :, 2] += leaning
+            stiffness.on_frame[:, 2] += leaning
+            stiffness.frame[:, 2, 2] += row_products(arm, push.force)
 
     def inertial_shapes(
         self, motion: RigidMotion, links: Sequence[NDArray[Any]], moved: NDArray[Any]

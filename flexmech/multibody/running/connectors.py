@@ -77,6 +77,7 @@ class RunningConnectors:
         motion: RigidMotion,
         displacement: Sequence[FloatArray],
         rate: Sequence[FloatArray],
+        carried: RigidMotion,
     ) -> ConnectorWork:
         """Energy and power at instants of a run.
 
@@ -87,18 +88,21 @@ class RunningConnectors:
             At these times.
         displacement, rate : sequence of ndarray, shape (m, n_link)
             Of the links in its frames.
+        carried : RigidMotion
+            The motion in ground axes, where ``motion`` is in those of a frame on springs.
 
         Returns
         -------
         ConnectorWork
         """
-        power, moved = np.zeros(len(time)), self._moved(motion, displacement, rate)
-        prescribed = replace(motion, crank_angle=self._crank(time))
+        power, pushed = np.zeros(len(time)), self._moved(carried, displacement, rate)
+        prescribed = replace(carried, crank_angle=self._crank(time))
         loads = self._mechanism.loads
-        for one in forces_of_loads(self._topology, prescribed, loads, time, moved):
-            drift = moved(one.link, float(one.x))[1]
-            power += one.power(motion) + np.sum(one.force * drift[:, :2], axis=1)
+        for one in forces_of_loads(self._topology, prescribed, loads, time, pushed):
+            drift = pushed(one.link, float(one.x))[1]
+            power += one.power(carried) + np.sum(one.force * drift[:, :2], axis=1)
             power += one.torque * drift[:, 2]
+        moved = self._moved(motion, displacement, rate)
         return ConnectorWork.of(deformations(self._mechanism, motion, moved), power)
 
     def joint_forces(

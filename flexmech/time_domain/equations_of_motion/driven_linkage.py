@@ -230,7 +230,7 @@ class DrivenLinkage:
             force += self.shaft.force(motion, pull)
         force += self.frames.gather(motion, [-s.prestress for s in stress])
         if self.carried is not None:
-            force = np.concatenate([force, self.carried.load(motion)], axis=1)
+            force = np.concatenate([force, self.carried.load(motion, time)], axis=1)
         if self._motor is not None:
             force = self._motor.forces(time, force, self.drive.crank_acceleration(time))
         terms = RotationTerms.all_or_none(not frozen)
@@ -252,7 +252,7 @@ class DrivenLinkage:
         if self.shaft is not None and self._motor is not None:
             matrices = self._motor.added(time, matrices, self.shaft.coordinate)
         if self.carried is not None:
-            matrices = self.carried.added(motion, matrices, terms)
+            matrices = self.carried.added(motion, matrices, terms, time=time)
         return Equations.condensed(motion, matrices, force, self.condensed)
 
     def quasi_static_equations(self, time: FloatArray) -> Equations:

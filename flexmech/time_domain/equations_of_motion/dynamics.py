@@ -93,7 +93,7 @@ class LinkageDynamics:
         if linkage.connectors.any:
             rest = np.zeros_like(coordinates[0])
             unit_elastic = frames.link_motion(unit, coordinates[0], rest, rest)
-            acting = linkage.connectors.acting(time, motion, elastic, unit, unit_elastic)
+            acting = linkage.connectors.acting(time, motion, elastic, unit, unit_elastic, whole)
         for number, (inertia, link, stress) in enumerate(
             zip(self._inertias, moving, linkage.stress.at(time), strict=True)
         ):
