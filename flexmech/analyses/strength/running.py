@@ -114,6 +114,7 @@ class Runs(LoadsOfEngines):
                         part.rate,
                         [own[batch] for own in gained],
                         drawn.at(batch),
+                        None if part.frame is None else part.frame.displacement[:, 2],
                     )
                 )
         topology = engine.mechanism.linkage.topology

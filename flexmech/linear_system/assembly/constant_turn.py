@@ -75,8 +75,8 @@ def has_constant_tangents(tangents: ConnectedMatrices, motion: RigidMotion) -> b
 def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     """Whether all forces on the links are constant in the link frames over the positions.
 
-    It is computed: the frame stands, no link turns against another one, and the forces of inertia, gravity, loads
-    and springs on the straight links, and the stiffness of springs, are constant.
+    It is computed: the frame stands, no link turns against another one, and the forces of inertia,
+    gravity, loads and springs on the straight links, and the stiffness of springs, are constant.
 
     Parameters
     ----------

@@ -9,8 +9,8 @@ the acceleration, to first order in f::
 
 written in the same axes, with J a quarter turn (Shabana, *Dynamics of Multibody Systems*, ch. 5: a
 floating frame of reference). So a displaced frame does nothing to the links but for the direction
-of weight and loads. The forces on the frame are those of the links' inertia in ground axes: as it turns,
-the inertia forces of the rigid motion turn with it.
+of weight and loads. The forces on the frame are those of the links' inertia in ground axes: as it
+turns, the inertia forces of the rigid motion turn with it.
 """
 
 from __future__ import annotations
@@ -96,10 +96,9 @@ class CarriedLinkage:
             alone = own.reduced_ends is not None
             unit = full.end_basis(own.size, kept) if alone else basis
             of_ends.append(LinkInertia.of(own, full, unit))
-            names = FIELDS[:COORDINATES]
-            rigid.append(np.stack([getattr(full.fields, name) for name in names], axis=1))
-        own = tuple(inertias), tuple(of_ends), tuple(rigid)
-        return cls(mechanism, frames, *own)
+            fields = [getattr(full.fields, name) for name in FIELDS[:COORDINATES]]
+            rigid.append(np.stack(fields, axis=1))
+        return cls(mechanism, frames, tuple(inertias), tuple(of_ends), tuple(rigid))
 
     @property
     def frame(self) -> SprungFrame:
@@ -166,8 +165,8 @@ class CarriedLinkage:
         motion : RigidMotion
             Batch of shape (B,).
         loads : sequence of ndarray, shape (B, n_full) or (n_full,)
-            On each unreduced link in its frame. Of a row that reads a displacement against the ground, what
-            the coordinates of the frame add to it.
+            On each unreduced link in its frame. Of a row that reads a displacement against the
+            ground, what the coordinates of the frame add to it.
 
         Returns
         -------

@@ -114,8 +114,9 @@ class DrivenLinkage:
         self._from_engine = [link.from_engine for link in reduced.unreduced]
         self.bases = reduced.engine_bases
         self.frames = LinkFrames(reduced.topology, self.links)
-        own = engine.mechanism, self.frames, self.unreduced, self.run_bases
-        self.carried = CarriedLinkage.of(*own)
+        self.carried = CarriedLinkage.of(
+            engine.mechanism, self.frames, self.unreduced, self.run_bases
+        )
         if self.carried is not None:
             engine.require_prescribed_shaft("a linkage whose frame is on springs")
         self._motor = shaft_torque

@@ -292,7 +292,9 @@ class LinkageUnderImpact:
         for done, time, history, expansion in blocks:
             coordinates = expansion.expanded(history)
             motion, now = linkage.motion(time), slice(done + 1 - len(time), done + 1)
-            found[now] = linkage.frames.link_motion(motion, *coordinates)[self._place][0] @ self._row
+            found[now] = (
+                linkage.frames.link_motion(motion, *coordinates)[self._place][0] @ self._row
+            )
             if linkage.carried is not None:
                 on_frame = linkage.carried.on_frame(motion, self._reading)
                 found[now] += row_products(on_frame, coordinates[0][:, -COORDINATES:])

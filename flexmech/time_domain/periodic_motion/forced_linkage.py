@@ -112,7 +112,7 @@ def _flexibility(
             matrices = carried.added(motion, matrices, frozen)
             right = np.concatenate([right, carried.on_frame(motion, loads)], axis=1)
         moved = np.linalg.solve(matrices.stiffness, right[..., None])
-        of_links, of_frame = moved[:, : frames.size], moved[:, frames.size :, 0]
+        of_links, of_frame = moved[:, : frames.size], np.asarray(moved[:, frames.size :, 0])
         flexibility[batch] = frames.link_coordinates(motion, of_links)[places[1]][..., 0] @ row
         if carried is not None:
             flexibility[batch] += row_products(carried.on_frame(motion, read), of_frame)

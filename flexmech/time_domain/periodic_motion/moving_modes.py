@@ -279,7 +279,9 @@ def _on_a_frame(turn: SampledTurn, basis: FloatArray) -> tuple[FloatArray, Float
     gyroscopic = (whole.damping - np.swapaxes(whole.damping, 1, 2)) / 4
     potential = (whole.stiffness + np.swapaxes(whole.stiffness, 1, 2)) / 2
     one = np.ones((1, 1, 1))
-    return _inertia((whole.mass, gyroscopic, -potential), one, basis, turn.rate(basis))
+    b, q = _inertia((whole.mass, gyroscopic, -potential), one, basis, turn.rate(basis))
+    # The mass varies: what b has of a symmetric part is a rate but for its own, y' b. y / 2.
+    return b, q + turn.rate((b + np.swapaxes(b, 1, 2)) / 2)
 
 
 def _inertia(

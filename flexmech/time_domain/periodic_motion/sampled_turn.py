@@ -162,9 +162,7 @@ class SampledTurn:
         """Number n of coordinates: those of ``frames``, and of a frame on springs."""
         return self.frames.size + (0 if self.carried is None else COORDINATES)
 
-    def link_coordinates(
-        self, vectors: FloatArray, some: slice = slice(None)
-    ) -> list[FloatArray]:
+    def link_coordinates(self, vectors: FloatArray, some: slice = slice(None)) -> list[FloatArray]:
         """Coordinates (B, n_link, m) of each link by vectors (B, n, m) at some of the angles."""
         own = vectors[:, : self.frames.size]
         return self.frames.link_coordinates(self.displaced.at(some), own)
