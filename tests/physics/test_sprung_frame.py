@@ -155,7 +155,7 @@ def test_a_turn_damps_a_frame_under_a_stiff_arm_as_dampers_do(models: Path) -> N
 
 
 def test_a_hammer_hits_the_modes_of_a_linkage_with_its_frame(models: Path, tmp_path: Path) -> None:
-    """Identified from Exudyn's nonlinear transient, beside the linear modes of both."""
+    """Frequency responses of Exudyn's nonlinear transient beside those of the linear modes."""
     aluminium = flexmech.load_mechanism(framed_file(tmp_path, models / "aluminium_fourbar.toml"))
     sections = {k: one.with_damping_time(2e-4) for k, one in aluminium.sections.items()}
     mechanism = replace(aluminium, sections=sections)
@@ -164,8 +164,7 @@ def test_a_hammer_hits_the_modes_of_a_linkage_with_its_frame(models: Path, tmp_p
     )
     reference = flexmech.ReferenceEngine(mechanism, 2)
     modes = flexmech.natural_frequencies(reference, ANGLES[1:2], modes=3)[0]
-    identified = found.identified()["frequency_Hz"].to_numpy()[:3]
-    assert identified == pytest.approx(modes, rel=2e-3)
+    assert found.dataset["eigen_frequency"][0, :3].values == pytest.approx(modes, rel=1e-4)
     assert float(found.dataset["simulation_error"][0]) < 3e-3
 
 
@@ -222,12 +221,13 @@ def test_what_rings_after_a_stop_rings_with_the_frame(models: Path, tmp_path: Pa
     """Amplitudes fitted to the rest of a run, and those by the state at the stop alone."""
     file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
     mechanism = replace(flexmech.load_mechanism(file), gravity=(0.0, -9.81))
+    mechanism = replace(mechanism, frame=mechanism.frame.undamped)
     law = flexmech.LawDrive("cycloid", np.radians(120), 0.15, dwell=0.4, start_angle=0.3)
     asked = {"shaping": flexmech.Shaping("zv", modes=(1,)), "move_times": (0.15,)}
     request = flexmech.ResponseRequest(law, samples=120, step=2e-4, modes=5, **asked)
     data = flexmech.response(flexmech.ReferenceEngine(mechanism, 2), request).dataset
     run, state = data["modal_amplitude"][0], data["move_amplitude"][0, 0]
-    np.testing.assert_allclose(state, run.values, rtol=0, atol=3e-2 * float(run.max()))
+    np.testing.assert_allclose(state, run.values, rtol=0, atol=1e-2 * float(run.max()))
     # The lowest mode is that of the frame: nearly all of it is left out.
     shaped = data["shaped_modal_amplitude"][0]
     assert float(shaped.sel(mode=1).max()) < 0.6 * float(run.sel(mode=1).max())
