@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flexmech
-from flexmech.linkages import AttachmentPoint, carried_motion
+from flexmech.linkages import GROUND, AttachmentPoint, carried_motion
 from tests.support.sprung_frame_data import framed_file, on_springs, sprung, stiffened
 
 ANGLES = np.radians([0.0, 100.0, 250.0])
@@ -264,6 +264,24 @@ def test_a_load_softens_a_frame_that_rocks_as_weight_does(aluminium: flexmech.Me
     arm = aluminium.linkage.motion(ANGLES[:1]).position(2, 0.15)[0] - centre
     change = (squares[1] - squares[0]) * frame.inertia
     assert change == pytest.approx(float(arm @ PUSH.force[0]), rel=1e-3)
+
+
+@pytest.mark.thorough
+def test_a_spring_between_link_and_frame_pulls_alike_in_both_engines(
+    models: Path, tmp_path: Path
+) -> None:
+    """Its end on the ground is on the frame, which it moves with the link."""
+    ends = AttachmentPoint(GROUND, 0.3, 0.1), AttachmentPoint("rocker", 0.15)
+    spring = flexmech.Spring("return", *ends, stiffness=40.0, free_length=0.1, damping=1.0)
+    file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
+    mechanism = replace(flexmech.load_mechanism(file), springs=(spring,))
+    engines = [kind(mechanism, 2) for kind in (flexmech.ReferenceEngine, flexmech.ExudynEngine)]
+    asked = {"samples": 90, "modes": 4, "step": 4e-4, "start": "equilibrium"}
+    data = flexmech.response(engines, flexmech.ResponseRequest(20.0, 0.5, **asked)).dataset
+    for name, near in (("floor_force", 2e-3), ("frame_displacement", 2e-3)):
+        linear, finite = data[name].values
+        assert np.abs(linear - finite).max() < near * np.abs(finite).max()
+    assert float(data["energy_error"].max()) < 2e-4
 
 
 def test_a_load_reaches_the_floor(models: Path, tmp_path: Path) -> None:

@@ -161,7 +161,17 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
 def frame_at_rest(engine: Engine, drive: Drive, begin: float = 0.0) -> FrameMotion | None:
     """Quasi-static displacement of a frame on springs at a time, and how fast it changes.
 
-    None where the frame stands.
+    Parameters
+    ----------
+    engine : Engine
+    drive : Drive
+    begin : float
+        That time in s.
+
+    Returns
+    -------
+    FrameMotion or None
+        Arrays of shape (1, 3); None where the frame stands.
     """
     if engine.mechanism.frame is None:
         return None
