@@ -64,15 +64,16 @@ def check_shaft(inertia: float, drive: object) -> None:
 
 
 def check_frame(frame: object, loads: Sequence[Load]) -> None:
-    """Refuse what is no frame on springs; and loads on the links that it carries."""
+    """Refuse what is no frame on springs; and loads that turn with links which it carries."""
     if frame is None:
         return
     check_instance(frame, SprungFrame, "frame", "give a SprungFrame, or leave it out")
-    if loads:
-        raise InputError(
-            f"frame: the load {loads[0].name} acts on a linkage whose frame is on springs, which "
-            "is not computed; leave out the load, or the frame"
-        )
+    for load in loads:
+        if load.axes == "link":
+            raise InputError(
+                f"frame: the load {load.name} turns with its link, which is not computed where the "
+                'frame is on springs; give the load axes = "ground", or leave out the frame'
+            )
 
 
 def checked_speeds(speeds: Iterable[float]) -> tuple[float, ...]:

@@ -216,5 +216,6 @@ def require_standing_frame(frame: SprungFrame | None, what: str = "this computat
     if frame is not None:
         raise InputError(
             f"frame: {what} is not computed of a linkage whose frame is on springs; leave the "
-            "table [frame] out, or ask for frequencies, campbell or response"
+            "table [frame] out, or ask for a shaft that turns as prescribed and motion about the "
+            "equilibrium"
         )

@@ -343,6 +343,7 @@ class RunningConnectors(ConnectorItems):
         motion: RigidMotion,
         displacement: Sequence[FloatArray],
         rate: Sequence[FloatArray],
+        carried: RigidMotion,
     ) -> ConnectorWork:
         """Energy and power at instants of a run.
 
@@ -353,20 +354,22 @@ class RunningConnectors(ConnectorItems):
             At these times.
         displacement, rate : sequence of ndarray, shape (m, n_link)
             Of the links in its frames.
+        carried : RigidMotion
+            The motion in ground axes, where ``motion`` is in those of a frame on springs.
 
         Returns
         -------
         ConnectorWork
         """
-        power, moved = np.zeros(len(time)), self._moved(motion, displacement, rate)
-        prescribed = np.array([self._angle(t) for t in time]) - self._lead
+        power, pushed = np.zeros(len(time)), self._moved(carried, displacement, rate)
+        crank_angle = np.array([self._angle(t) for t in time]) - self._lead
+        prescribed = replace(carried, crank_angle=crank_angle)
         mechanism = self.assembly.mechanism
-        for one in forces_of_loads(
-            self._topology, replace(motion, crank_angle=prescribed), mechanism.loads, time, moved
-        ):
-            drift = moved(one.link, float(one.x))[1]
-            power += one.power(motion) + np.sum(one.force * drift[:, :2], axis=1)
+        for one in forces_of_loads(self._topology, prescribed, mechanism.loads, time, pushed):
+            drift = pushed(one.link, float(one.x))[1]
+            power += one.power(carried) + np.sum(one.force * drift[:, :2], axis=1)
             power += one.torque * drift[:, 2]
+        moved = self._moved(motion, displacement, rate)
         return ConnectorWork.of(deformations(mechanism, motion, moved), power)
 
     def joint_forces(

@@ -329,7 +329,6 @@ class ExudynEngine(Engine):
             If a step does not converge; names its time and the crank angle.
         """
         self.require_prescribed_shaft("a record of points")
-        self.require_standing_frame("a record of points")
         check_number(step, "step", "s", POSITIVE)
         model = self._running(drive, steps * step, impacts)
         recorder = PointRecorder(self.mechanism.linkage.topology, self.clamped_links, points)
@@ -370,7 +369,6 @@ class ExudynEngine(Engine):
             If the step or the integrator cannot be, or the start tears a joint.
         """
         self.require_prescribed_shaft("the exported system")
-        self.require_standing_frame("the exported system")
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
         model = self._running(drive, steps * step)

@@ -40,23 +40,29 @@ def add_sensors(model: RunningModel) -> None:
     They are named as ``coupler_deflection``, ``pin_A_force`` and ``driving_torque``. A
     deflection is that of the middle off the line between the link's ends, or of a clamped
     link's tip off the tangent at its clamp; a force acts on the held or following link, in
-    ground axes.
+    ground axes. Of a frame on springs there are ``frame_place`` and ``frame_rotation``.
 
     Parameters
     ----------
     model : RunningModel
     """
     items, topology = model.assembly.items, model.assembly.topology
+    turning = []
+    if model.frame is not None:
+        items.begin("sensors of the frame on springs")
+        node = model.frame.node
+        _add(items, "SensorNode", "frame_place", "Displacement", nodeNumber=node)
+        turning = [_add(items, "SensorNode", "frame_rotation", "Rotation", nodeNumber=node)]
     for _, part in model.assembly.beams:
         items.begin(f"{part.name}: sensors of its deflection")
-        _add_deflection(model, part)
+        _add_deflection(model, part, turning)
     items.begin("sensors of forces and torque")
     for joint, kind in zip(topology.joint_names, topology.joint_kinds, strict=True):
         name = f"{kind}_{joint}_force"
         if joint in model.sprung:
             _add(items, "SensorObject", name, "Force", objectNumber=model.sprung[joint])
         elif joint in model.sliders:
-            _add_line_force(model.assembly, name, model.sliders[joint])
+            _add_line_force(model.assembly, name, model.sliders[joint], turning)
         else:
             _compute(items, name, constraint_force, factors=model.constraints[joint])
     if model.drive_constraint is not None:
@@ -74,7 +80,7 @@ def _compute(items: SystemItems, name: str, function: Callable[..., Any], **give
     items.add("SensorUserFunction", name, **given, sensorUserFunction=function, **_KEPT)
 
 
-def _add_deflection(model: RunningModel, part: BeamPart) -> None:
+def _add_deflection(model: RunningModel, part: BeamPart, turning: list[ItemNumber]) -> None:
     """Sensor of the middle of a link, or of a clamped one's tip, and of the places it needs."""
     assembly, known, near = model.assembly, dict[float, ItemNumber](), SAME_PLACE * part.length
 
@@ -90,7 +96,7 @@ def _add_deflection(model: RunningModel, part: BeamPart) -> None:
 
     name, ends = f"{part.name}_deflection", (0.0, part.length)
     if any(clamp.link_end.link == part.name for clamp in assembly.topology.clamps):
-        places = [at(x) for x in ends]
+        places = [*(at(x) for x in ends), *turning]
         _compute(assembly.items, name, model.shaft.tip_deflection, sensorNumbers=places)
         return
     middle = part.length / 2
@@ -105,9 +111,11 @@ def _add_deflection(model: RunningModel, part: BeamPart) -> None:
     _compute(assembly.items, name, middle_deflection, **given)
 
 
-def _add_line_force(assembly: LinkAssembly, name: str, line: SliderJoint) -> None:
-    """Force of a line on the end that slides on it."""
-    turning, items = [], assembly.items
+def _add_line_force(
+    assembly: LinkAssembly, name: str, line: SliderJoint, turning: list[ItemNumber]
+) -> None:
+    """Force of a line on the end that slides on it; a line on the ground turns with a frame."""
+    items = assembly.items
     if line.slider.guide:
         [node] = assembly.parts[assembly.topology.index(line.slider.guide)].nodes
         turning = [_add(items, "SensorNode", f"{name}_guide", "Rotation", nodeNumber=node)]

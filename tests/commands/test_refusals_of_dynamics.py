@@ -144,7 +144,12 @@ def test_what_is_impossible_is_refused_by_name(what: str) -> None:
         ('"2e4 N/m", "4e4 N/m"', '"0 N/m", "4e4 N/m"', "move along x"),
         ('"5 N s/m", "5 N s/m"', '"5 N/m", "5 N s/m"', "frame.springs"),
         ("centre", "center", "did you mean 'centre'"),
-        ("[frame]", '[loads.push]\npoint = "B"\nforce = ["1 N", "0 N"]\n\n[frame]', "load push"),
+        (
+            "[frame]",
+            '[loads.push]\npoint = "B"\nlink = "coupler"\nforce = ["1 N", "0 N"]\n'
+            'axes = "link"\n\n[frame]',
+            "load push turns with its link",
+        ),
     ],
 )
 def test_a_model_file_with_an_impossible_frame_is_refused(
@@ -159,11 +164,7 @@ def test_a_model_file_with_an_impossible_frame_is_refused(
 @pytest.mark.parametrize(
     "words",
     [
-        ["stability", "--speeds", "20,21"],
-        ["hammer"],
-        ["strength", "--speed", "20"],
-        ["strength", "--speed", "20", "--source", "rigid"],
-        ["export", "--speed", "20"],
+        ["stability", "--speeds", "20,21", "--prestress", "trajectory"],
         ["response", "--speed", "20", "--shaft", "free"],
     ],
     ids=" ".join,

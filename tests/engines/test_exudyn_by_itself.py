@@ -85,6 +85,7 @@ THOROUGH = pytest.mark.thorough
     ("name", "element"),
     [
         ("aluminium four-bar", "ancf"),
+        ("four-bar on a frame", "ancf"),
         pytest.param("composite four-bar", "geometrically-exact", marks=THOROUGH),
         pytest.param("L-arm with bodies", "geometrically-exact", marks=THOROUGH),
         pytest.param("rigid rod", "ancf", marks=THOROUGH),
@@ -103,9 +104,11 @@ def test_a_script_runs_as_the_program_does(name: str, element: str, tmp_path: Pa
     # A script tells of links that bend alone.
     columns = [column for column in found if column.endswith("deflection_m")]
     assert columns
+    columns += [column for column in ("frame_x_m", "frame_y_m") if column in wanted]
     for column in ("time_s", "crank_angle_deg", *columns):
         peak = np.abs(wanted[column]).max()
         np.testing.assert_allclose(found[column], wanted[column], rtol=0, atol=SAME * peak)
+    columns = [column for column in columns if column.endswith("deflection_m")]
     link = columns[-1].removesuffix("_deflection_m")
     [line] = [line for line in printed.splitlines() if line.startswith(link)]
     told = float(line.split("at most ")[1].split(" mm")[0])
@@ -121,6 +124,7 @@ def test_a_script_runs_as_the_program_does(name: str, element: str, tmp_path: Pa
         ("rigid ternary coupler", "geometrically-exact"),
         ("moving guide", "ancf"),
         ("sprung joints", "ancf"),
+        ("slider-crank on a frame", "ancf"),
     ],
 )
 def test_sensors_measure_what_the_engine_does(name: str, element: str) -> None:
@@ -145,6 +149,10 @@ def test_sensors_measure_what_the_engine_does(name: str, element: str) -> None:
     for number, (joint, kind) in enumerate(joints):
         found = made.history(f"{kind}_{joint}_force")[1:, 1:3]
         np.testing.assert_allclose(found, run.joint_force[1:, number], rtol=0, atol=1e-6 * size)
+    if run.frame is not None:
+        found = [made.history(f"frame_{name}")[:, 1:] for name in ("place", "rotation")]
+        found = np.column_stack([found[0][:, :2], found[1][:, 2]])
+        np.testing.assert_allclose(found, run.frame.displacement, rtol=0, atol=1e-15)
     torque = made.history("driving_torque")[1:, 1]
     size = np.abs(torque).max()
     np.testing.assert_allclose(torque, run.driving_torque[1:], rtol=0, atol=1e-6 * size)

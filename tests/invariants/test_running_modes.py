@@ -22,6 +22,7 @@ from flexmech import (
     stability,
 )
 from flexmech.linkages import GROUND, AttachmentPoint
+from tests.support.results import FRAME
 from tests.support.running_modes import (
     distance,
     exponents,
@@ -174,16 +175,20 @@ def integrated_multipliers(engine: Any, speed: float, prestress: Any) -> Complex
         pytest.param(5e-5, "axial", False, marks=pytest.mark.thorough),
         pytest.param(0.0, "equilibrium", False, marks=pytest.mark.thorough),
         pytest.param(0.0, "axial", True, marks=pytest.mark.thorough),
+        pytest.param(5e-5, "equilibrium", "frame", marks=pytest.mark.thorough),
     ],
 )
 def test_multipliers_are_those_of_the_second_order_equations_in_time(
-    aluminium: Mechanism, time: float, prestress: Any, *, connected: bool
+    aluminium: Mechanism, time: float, prestress: Any, *, connected: bool | str
 ) -> None:
     """Canonical form, Fourier series and Magnus expansion against rotation terms written out."""
     mechanism = soft(aluminium, time)
-    mechanism = with_connectors(mechanism) if connected else mechanism
+    if connected == "frame":
+        mechanism = replace(mechanism, frame=FRAME, gravity=(0.0, -9.81))
+    elif connected:
+        mechanism = with_connectors(mechanism)
     engine = ReferenceEngine(mechanism, elements=1, component_modes=False)
-    found = multipliers(engine, 30.0, 9, prestress=prestress)
+    found = multipliers(engine, 30.0, 12 if mechanism.frame else 9, prestress=prestress)
     expected = integrated_multipliers(engine, 30.0, prestress)
     assert len(found) == len(expected)
     assert distance(found, expected) < 1e-5

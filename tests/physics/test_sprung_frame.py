@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flexmech
-from flexmech.linkages import carried_motion
+from flexmech.linkages import GROUND, AttachmentPoint, carried_motion
 from tests.support.sprung_frame_data import framed_file, on_springs, sprung, stiffened
 
 ANGLES = np.radians([0.0, 100.0, 250.0])
@@ -97,6 +97,7 @@ def test_the_work_of_the_drive_is_the_energy_with_that_of_the_frame(
 ) -> None:
     """What is left is the error of the time step: of second order in it."""
     mechanism = replace(on_springs(aluminium, sprung((2e4, 4e4))), gravity=(0.0, -9.81))
+    mechanism = replace(mechanism, loads=(PUSH,))
     turn = 2 * np.pi / 20.0
     coarse, fine = (
         float(run(mechanism, start="equilibrium", step=turn / steps)["energy_error"])
@@ -133,6 +134,164 @@ def test_dampers_of_the_frame_damp_its_modes(models: Path, tmp_path: Path) -> No
     alone = 10.0 / (2 * np.sqrt(4e4 * 2.0))
     assert (found > 0.1 * alone).all()
     assert (found < 2.0 * alone).all()
+
+
+def test_a_turn_damps_a_frame_under_a_stiff_arm_as_dampers_do(models: Path) -> None:
+    """Floquet exponents -c / (2 (M + m)) and sqrt(k / (M + m)) along x and y, whatever turns."""
+    arm = stiffened(flexmech.load_mechanism(models / "rotating_arm.toml"), 1e5)
+    arm = replace(arm, gravity=(0.0, 0.0))
+    springs = tuple(flexmech.FrameSpring((x, 0.0), (4e3, 9e3), (3.0, 5.0)) for x in (-100.0, 100.0))
+    frame = flexmech.SprungFrame(1.5, 1e4, (0.0, 0.0), springs)
+    engine = flexmech.ReferenceEngine(on_springs(arm, frame), 1)
+    data = flexmech.stability(engine, [20.0], modes=3).dataset.isel(engine=0, crank_speed=0)
+    mass = frame.mass + float(arm.link_masses_in_order[0].moment(0))
+    decay = -np.sort(data["log_modulus"].values.ravel()) * 20.0 / (2 * np.pi)
+    assert decay[2:] == pytest.approx(np.repeat([10.0, 6.0], 2) / (2 * mass), rel=1e-3)
+    # Of a frequency in turns of the crank the angle of a multiplier has what is beyond whole ones.
+    turns = np.sqrt(np.array([8e3, 18e3]) / mass - np.array([3.0, 5.0]) ** 2 / mass**2) / 20.0
+    angles = np.abs(data["angle"].values.ravel())
+    for angle in 2 * np.pi * np.abs(turns - np.round(turns)):
+        assert np.abs(angles - angle).min() < 2e-3
+
+
+def test_a_hammer_hits_the_modes_of_a_linkage_with_its_frame(models: Path, tmp_path: Path) -> None:
+    """Frequency responses of Exudyn's nonlinear transient beside those of the linear modes."""
+    aluminium = flexmech.load_mechanism(framed_file(tmp_path, models / "aluminium_fourbar.toml"))
+    sections = {k: one.with_damping_time(2e-4) for k, one in aluminium.sections.items()}
+    mechanism = replace(aluminium, sections=sections)
+    found = flexmech.hammer_test(
+        flexmech.ExudynEngine(mechanism, 2), flexmech.HammerRequest(ANGLES[1:2], modes=3)
+    )
+    reference = flexmech.ReferenceEngine(mechanism, 2)
+    modes = flexmech.natural_frequencies(reference, ANGLES[1:2], modes=3)[0]
+    assert found.dataset["eigen_frequency"][0, :3].values == pytest.approx(modes, rel=1e-4)
+    assert float(found.dataset["simulation_error"][0]) < 3e-3
+
+
+@pytest.mark.thorough
+def test_orders_of_a_running_linkage_on_its_frame_are_those_predicted(
+    models: Path, tmp_path: Path
+) -> None:
+    """By runs under impacts, which leave no moving modes out."""
+    file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
+    engine = flexmech.ReferenceEngine(flexmech.load_mechanism(file), elements=4)
+    points = (flexmech.LinkPoint.parse(text) for text in ("coupler:0.5", "rocker:0.5"))
+    request = flexmech.RunningHammerRequest(
+        20.0, *points, prestress="axial", damping_ratio=0.1, bandwidth=60.0, orders=1
+    )
+    peaks = flexmech.running_hammer_test(engine, request).dataset
+    identified, predicted = (peaks[f"{of}_peak"].values for of in ("identified", "predicted"))
+    assert identified == pytest.approx(predicted, rel=1e-2)
+
+
+def test_frequencies_change_with_the_mass_of_the_frame(models: Path, tmp_path: Path) -> None:
+    file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
+    mechanism = flexmech.load_mechanism(file)
+    asked = {"modes": 4, "prestress": "axial"}
+
+    def frequencies(mass: float) -> np.ndarray:
+        changed = replace(mechanism, frame=replace(mechanism.frame, mass=mass))
+        engine = flexmech.ReferenceEngine(changed, 2, component_modes=False)
+        return flexmech.natural_frequencies(engine, ANGLES[:1], 20.0, **asked)
+
+    slope = flexmech.frequency_derivatives(
+        flexmech.ReferenceEngine(mechanism, 2), ["frame.mass"], ANGLES[:1], 20.0, **asked
+    )[0]
+    change = (frequencies(2.001) - frequencies(1.999)) / 0.002
+    assert slope == pytest.approx(change, rel=1e-4)
+
+
+@pytest.mark.thorough
+def test_parts_on_a_heavy_frame_bear_what_they_bear_on_the_ground(
+    aluminium: flexmech.Mechanism,
+) -> None:
+    request = flexmech.StrengthRequest(
+        crank_speed=20.0, source="transient", revolutions=0.1, search_speed=False
+    )
+    heavy = on_springs(aluminium, sprung((1e6, 1e6), mass=1e9, inertia=1e9))
+    found, wanted = (
+        flexmech.strength(flexmech.ReferenceEngine(each, 2), request).dataset["margin_load_factor"]
+        for each in (heavy, aluminium)
+    )
+    assert found.values == pytest.approx(wanted.values, rel=1e-6)
+
+
+@pytest.mark.thorough
+def test_what_rings_after_a_stop_rings_with_the_frame(models: Path, tmp_path: Path) -> None:
+    """Amplitudes fitted to the rest of a run, and those by the state at the stop alone."""
+    file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
+    mechanism = replace(flexmech.load_mechanism(file), gravity=(0.0, -9.81))
+    mechanism = replace(mechanism, frame=mechanism.frame.undamped)
+    law = flexmech.LawDrive("cycloid", np.radians(120), 0.15, dwell=0.4, start_angle=0.3)
+    asked = {"shaping": flexmech.Shaping("zv", modes=(1,)), "move_times": (0.15,)}
+    request = flexmech.ResponseRequest(law, samples=120, step=2e-4, modes=5, **asked)
+    data = flexmech.response(flexmech.ReferenceEngine(mechanism, 2), request).dataset
+    run, state = data["modal_amplitude"][0], data["move_amplitude"][0, 0]
+    np.testing.assert_allclose(state, run.values, rtol=0, atol=1e-2 * float(run.max()))
+    # The lowest mode is that of the frame: nearly all of it is left out.
+    shaped = data["shaped_modal_amplitude"][0]
+    assert float(shaped.sel(mode=1).max()) < 0.6 * float(run.sel(mode=1).max())
+
+
+def test_a_record_of_exudyns_frame_gives_its_damping_back(aluminium: flexmech.Mechanism) -> None:
+    mechanism = on_springs(aluminium, sprung((2e4, 4e4)))
+    sections = {k: one.with_damping_time(2e-4) for k, one in aluminium.sections.items()}
+    engine = flexmech.ExudynEngine(replace(mechanism, sections=sections), 2)
+    asked = {"samples": 360, "start": "rigid", "modes": 4, "step": 4e-4}
+    data = flexmech.response(engine, flexmech.ResponseRequest(20.0, 2.0, **asked)).dataset
+    bent = data["deflection"].isel(engine=0).sel(link="coupler").values
+    column = flexmech.MeasuredQuantity("coupler:deflection", "m", bent)
+    record = flexmech.MeasuredRecord("time", data["time"].values, (column,))
+    request = flexmech.ComparisonRequest(speed=20.0, fit=("damping",))
+    found = flexmech.compare_with_record(flexmech.ReferenceEngine(mechanism, 2), record, request)
+    assert found.fitted("damping").value == pytest.approx(2e-4, rel=2e-2)
+
+
+PUSH = flexmech.Load("push", AttachmentPoint("rocker", 0.15), ((3.0, 2.0),), (0.1,))
+
+
+def test_a_load_softens_a_frame_that_rocks_as_weight_does(aluminium: flexmech.Mechanism) -> None:
+    """A force F at the arm r from the centre adds r F to the stiffness against rocking."""
+    centre = (0.127, -0.02)
+    springs = tuple(flexmech.FrameSpring((x, -0.02), (1e9, 5e3)) for x in (0.027, 0.227))
+    frame = flexmech.SprungFrame(1e4, 3e3, centre, springs)
+    mechanism = on_springs(stiffened(aluminium, 1e6), frame)
+    squares = []
+    for loads in ((), (PUSH,)):
+        engine = flexmech.ReferenceEngine(replace(mechanism, loads=loads), 2, "euler")
+        modes = flexmech.natural_frequencies(engine, ANGLES[:1], modes=1, prestress="none")
+        squares.append((2 * np.pi * modes[0, 0]) ** 2)
+    arm = aluminium.linkage.motion(ANGLES[:1]).position(2, 0.15)[0] - centre
+    change = (squares[1] - squares[0]) * frame.inertia
+    assert change == pytest.approx(float(arm @ PUSH.force[0]), rel=1e-3)
+
+
+@pytest.mark.thorough
+def test_a_spring_between_link_and_frame_pulls_alike_in_both_engines(
+    models: Path, tmp_path: Path
+) -> None:
+    """Its end on the ground is on the frame, which it moves with the link."""
+    ends = AttachmentPoint(GROUND, 0.3, 0.1), AttachmentPoint("rocker", 0.15)
+    spring = flexmech.Spring("return", *ends, stiffness=40.0, free_length=0.1, damping=1.0)
+    file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
+    mechanism = replace(flexmech.load_mechanism(file), springs=(spring,))
+    engines = [kind(mechanism, 2) for kind in (flexmech.ReferenceEngine, flexmech.ExudynEngine)]
+    asked = {"samples": 90, "modes": 4, "step": 4e-4, "start": "equilibrium"}
+    data = flexmech.response(engines, flexmech.ResponseRequest(20.0, 0.5, **asked)).dataset
+    for name, near in (("floor_force", 2e-3), ("frame_displacement", 2e-3)):
+        linear, finite = data[name].values
+        assert np.abs(linear - finite).max() < near * np.abs(finite).max()
+    assert float(data["energy_error"].max()) < 2e-4
+
+
+def test_a_load_reaches_the_floor(models: Path, tmp_path: Path) -> None:
+    """Over a turn of the periodic motion the floor bears load and weight, and nothing else."""
+    file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
+    mechanism = replace(flexmech.load_mechanism(file), loads=(PUSH,), gravity=(0.0, -9.81))
+    data = run(mechanism, start="periodic", step=1e-3, samples=180)
+    floor = data["floor_force"].isel(time=slice(0, -1)).mean("time").values
+    weight = 9.81 * (mechanism.frame.mass + total_mass(mechanism))
+    assert floor == pytest.approx(np.array(PUSH.force[0]) - [0.0, weight], abs=2e-3 * weight)
 
 
 def test_a_moving_frame_carries_velocities_and_accelerations(

@@ -87,7 +87,6 @@ def compare_with_record(
     True
     """
     own = engine_of(engine)
-    own.require_standing_frame("a comparison with a record")
     taken = record if isinstance(record, MeasuredRecord) else read_record(record)
     if request is None:
         request = _usual_request(own.mechanism, taken)

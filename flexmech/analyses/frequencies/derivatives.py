@@ -88,7 +88,6 @@ def frequency_derivatives(
     array([24.17,  2.5 ])
     """
     engine = engine_of(engine)
-    engine.require_standing_frame("a derivative of frequencies")
     # The element of the changed linkage is the same: another theory would make a jump.
     engine = engine.with_(element=engine.element).unreduced()
     angle, speed = np.broadcast_arrays(

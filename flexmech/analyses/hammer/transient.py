@@ -15,6 +15,7 @@ lines f, which takes this off.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import scipy.fft
@@ -23,6 +24,7 @@ from scipy.interpolate import CubicSpline
 
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.plan import RecordPlan
+from flexmech.analyses.response.start import frame_at_rest
 from flexmech.arrays import FloatArray, StepProgress
 from flexmech.choices import LinkDirection
 from flexmech.errors import InputError
@@ -123,16 +125,22 @@ def _simulated(
         static = engine.stressed_links(motion, "equilibrium").displacement
         if static is not None:
             start = LinkState([q[0] for q in static], start.rate)
-    found = simulator(engine).point_histories(
+        start = replace(start, frame=frame_at_rest(engine, LockedCrank(locked.angle)))
+    run = partial(
+        simulator(engine).point_histories,
         LockedCrank(locked.angle),
         start,
         [(response, direction)],
         plan.step,
         steps,
-        impacts=[Impact(impact, direction, plan.pulse)],
         progress=progress,
-    )[:, 0]
-    return np.asarray(found - found[0])
+    )
+    found = run(impacts=[Impact(impact, direction, plan.pulse)])[:, 0]
+    at_rest = found[0]
+    if engine.mechanism.frame is not None and any(engine.mechanism.gravity):
+        # The frame starts where linear equations let it sink, and rings a little without a hit.
+        at_rest = run()[:, 0]
+    return np.asarray(found - at_rest)
 
 
 def _filter(plan: RecordPlan) -> FloatArray:

@@ -198,7 +198,6 @@ def exudyn_system(
         raise InputError(
             f"the {asked.name} engine has no Exudyn system; give flexmech.ExudynEngine(mechanism)"
         )
-    asked.require_standing_frame("the exported system")
     report, request = progress or silent, _request(speed, speed_unit, asked.mechanism)
     if isinstance(request.drive, MotorRun):
         raise InputError(

@@ -20,7 +20,12 @@ from flexmech.analyses.response.plan import STEPS_PER_PERIOD, RunPlan
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.shaping import LawShaper
 from flexmech.analyses.response.standing_modes import StandingModes
-from flexmech.analyses.response.start import equilibria_at, linear_start, simulation_start
+from flexmech.analyses.response.start import (
+    equilibria_at,
+    frame_at_rest,
+    linear_start,
+    simulation_start,
+)
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import Engine
@@ -254,10 +259,10 @@ class _InLinkFrames(_Stops):
         request = replace(self._request, speed=drive, step=None)
         state = linear_start(linkage, request, drive.law_time / steps)
         end = end_state(linkage, state.position, state.velocity, drive.law_time, steps)
-        return self._modes.of_state(end.displacement, end.rate, _at_rest(linkage, drive.law_time))
+        return self._modes.of_state(end, _at_rest(linkage, drive.law_time))
 
 
-def _at_rest(linkage: DrivenLinkage, time: float) -> list[FloatArray]:
+def _at_rest(linkage: DrivenLinkage, time: float) -> LinkState:
     """Where links come to rest under their loads, by the equations of the run."""
     equations = linkage.quasi_static_equations(np.array([time]))
     if linkage.stretch is None:
@@ -265,7 +270,7 @@ def _at_rest(linkage: DrivenLinkage, time: float) -> list[FloatArray]:
     else:
         still = static_balance(linkage, np.zeros(linkage.size), time)[None]
     nothing = np.zeros_like(still)
-    return linkage.link_state(equations, VibrationState(still, nothing, nothing)).displacement
+    return linkage.link_state(equations, VibrationState(still, nothing, nothing))
 
 
 class _Simulated(_Stops):
@@ -280,8 +285,11 @@ class _Simulated(_Stops):
             drive, start, np.array([0.0, end]), step, integrator=self._request.integrator
         )
         still = equilibria_at(engine, drive, np.array([end]))
-        at_rest = LinkState.rigid(engine.links).displacement
+        at_rest = LinkState.rigid(engine.links)
         if still is not None:
-            at_rest = [q[0] for q in still]
-        last = [q[-1] for q in run.displacement], [v[-1] for v in run.rate]
-        return self._modes.of_state(*last, at_rest)
+            at_rest = LinkState([q[0] for q in still], at_rest.rate)
+        at_rest = replace(at_rest, frame=frame_at_rest(engine, drive, end))
+        end_of_run = run[-1:]
+        displacement, rate = end_of_run.displacement, end_of_run.rate
+        last = LinkState([q[0] for q in displacement], [v[0] for v in rate], end_of_run.frame)
+        return self._modes.of_state(last, at_rest)

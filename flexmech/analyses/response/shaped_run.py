@@ -57,7 +57,6 @@ def check_stops(engines: Sequence[Engine], request: ResponseRequest) -> None:
     """
     if request.shaping is None and request.move_times is None:
         return
-    engines[0].require_standing_frame("residual vibration by a shaped law")
     if any(engine.shaft == "free" for engine in engines):
         raise InputError(FREE_SHAFT_GOES_ON)
     if request.move_times is not None and request.drive.law.blow is not None:

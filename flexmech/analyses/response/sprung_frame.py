@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -14,7 +15,7 @@ from flexmech.analyses.response.agreement import CAUSES, quantities_of
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.linkages import RigidMotion, carried_motion
+from flexmech.linkages import RigidMotion, carried_motion, turned
 from flexmech.mechanism import SprungFrame
 from flexmech.time_domain import FrameMotion, Trajectory
 
@@ -49,6 +50,35 @@ def carried_by_frame(engine: Engine, motion: RigidMotion, trajectory: Trajectory
         return motion
     change = _derivative(moved.rate, trajectory.time)
     return carried_motion(frame.centre, motion, moved.displacement, moved.rate, change)
+
+
+def in_axes_of_frame(engine: Engine, motion: RigidMotion, trajectory: Trajectory) -> RigidMotion:
+    """Motion whose accelerations and spins are those in ground axes, written in axes of the frame.
+
+    Links and their joints stand in these axes as on a frame that stands; weight, which does not
+    turn with them, is made up for by the accelerations.
+
+    Parameters
+    ----------
+    engine, motion, trajectory
+        As of :func:`carried_by_frame`.
+
+    Returns
+    -------
+    RigidMotion
+        The same where the frame stands.
+    """
+    moved, weight = trajectory.frame, np.asarray(engine.mechanism.gravity)
+    if moved is None:
+        return motion
+    carried = carried_by_frame(engine, motion, trajectory)
+    felt = turned(carried.origin_acceleration - weight, -moved.displacement[:, 2, None])
+    return replace(
+        motion,
+        angular_velocity=carried.angular_velocity,
+        angular_acceleration=carried.angular_acceleration,
+        origin_acceleration=felt + weight,
+    )
 
 
 def _derivative(rate: FloatArray, time: FloatArray) -> FloatArray:

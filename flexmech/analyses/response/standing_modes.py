@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -15,7 +14,7 @@ from flexmech.analyses.response.plan import undamped, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
-from flexmech.time_domain import Trajectory
+from flexmech.time_domain import LinkState, Trajectory
 
 # Modal coordinates are fitted over so many periods: fewer tell a constant from a wave badly, and of
 # more a phase is lost where the frequency of a run is not quite that of its modes.
@@ -94,30 +93,29 @@ class StandingModes:
         left = np.maximum(1 - self.damping_ratio**2, 0.0)
         return np.asarray(2 * np.pi * self.frequency * np.sqrt(left))
 
-    def of_state(
-        self,
-        displacement: Sequence[FloatArray],
-        rate: Sequence[FloatArray],
-        at_rest: Sequence[FloatArray],
-    ) -> NDArray[np.complex128]:
+    def of_state(self, state: LinkState, at_rest: LinkState) -> NDArray[np.complex128]:
         """Complex amplitude of each mode in each link's deflection, from the state at the stop.
 
         It tells how far the mode goes on to vibrate, without a run of the rest.
 
         Parameters
         ----------
-        displacement, rate, at_rest : sequence of ndarray, shape (n_link,)
-            Of each link of the engine, in its frame, in m and m/s; the last is where it comes to
-            rest under its loads.
+        state, at_rest : LinkState
+            Of the engine's links, and of a frame on springs; the last is where they come to rest
+            under their loads.
 
         Returns
         -------
         ndarray of complex, shape (n_links, m)
             In m, of the time since that state.
         """
-        moved = [q - rest for q, rest in zip(displacement, at_rest, strict=True)]
+        weights = [*self.weights, self.frame_weights]
+        moved = [*state.displacement, state.moved.displacement[0]]
+        rest = [*at_rest.displacement, at_rest.moved.displacement[0]]
+        moved = [q - still for q, still in zip(moved, rest, strict=True)]
+        rate = [*state.rate, state.moved.rate[0]]
         position, velocity = (
-            np.sum([q @ weight for q, weight in zip(each, self.weights, strict=True)], axis=0)
+            np.sum([q @ weight for q, weight in zip(each, weights, strict=True)], axis=0)
             for each in (moved, rate)
         )
         turning = self.angular_frequency

@@ -55,7 +55,7 @@ def simulation_start(engine: Engine, request: ResponseRequest, step: float) -> L
         return LinkState.rigid(engine.links)
     if request.start == "equilibrium":
         return replace(
-            _equilibrium(engine, request.drive), frame=_frame_at_rest(engine, request.drive)
+            _equilibrium(engine, request.drive), frame=frame_at_rest(engine, request.drive)
         )
     return _on_periodic_motion(engine, request, step)
 
@@ -158,12 +158,25 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
     )
 
 
-def _frame_at_rest(engine: Engine, drive: Drive) -> FrameMotion | None:
-    """Quasi-static displacement of a frame on springs at time zero, and how fast it changes."""
+def frame_at_rest(engine: Engine, drive: Drive, begin: float = 0.0) -> FrameMotion | None:
+    """Quasi-static displacement of a frame on springs at a time, and how fast it changes.
+
+    Parameters
+    ----------
+    engine : Engine
+    drive : Drive
+    begin : float
+        That time in s.
+
+    Returns
+    -------
+    FrameMotion or None
+        Arrays of shape (1, 3); None where the frame stands.
+    """
     if engine.mechanism.frame is None:
         return None
     linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False)
-    time = _start_times(drive)
+    time = begin + _start_times(drive)
     place = linkage.quasi_static_equations(time).quasi_static()[:, -COORDINATES:]
     return FrameMotion(place[:1], _rate(place, time)[None])
 
@@ -319,7 +332,9 @@ def _stretching_on_periodic_motion(
 
 
 def _start_times(drive: Drive) -> FloatArray:
-    return np.asarray(_START_INTERVAL * drive.cycle_time * np.arange(3.0), dtype=float)
+    # A locked crank has no cycle, and stands at all times alike.
+    cycle = drive.cycle_time if np.isfinite(drive.cycle_time) else 1.0
+    return np.asarray(_START_INTERVAL * cycle * np.arange(3.0), dtype=float)
 
 
 def _rate(position: FloatArray, time: FloatArray) -> FloatArray:

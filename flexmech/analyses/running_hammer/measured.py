@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.start import linear_start
+from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.parallel import in_order
@@ -23,7 +23,6 @@ from flexmech.time_domain import (
     DrivenLinkage,
     Impact,
     LinkageUnderImpact,
-    nonlinear_orbit,
     simulator,
     stretches_in_runs,
 )
@@ -247,7 +246,7 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
     """
     drive = ConstantSpeed(request.speed)
     if engine.simulates:
-        return _simulated(engine, request, plan, drive)
+        return _simulated(engine, request, plan, modes)
     count = max(_LEAST_MODES, modes)
     linkage = DrivenLinkage(
         engine,
@@ -270,9 +269,11 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
 
 
 def _simulated(
-    engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: ConstantSpeed
+    engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: int
 ) -> ImpactRun:
-    start = nonlinear_orbit(engine, request.speed).state(0.0)
+    drive = ConstantSpeed(request.speed)
+    asked = ResponseRequest(drive, start="periodic", modes=max(_LEAST_MODES, modes))
+    start = simulation_start(engine, asked, plan.step)
     point = (request.response, request.direction)
 
     def run(pulses: Sequence[HalfSinePulse]) -> FloatArray:

@@ -87,11 +87,6 @@ class VibratingLinkage:
         turn = moving.turn
         some = slice(None, None, len(moving.basis) // SHAPE_ANGLES)
         basis, squares = moving.basis[some], turn.frozen_squares
-        coordinates = turn.frames.link_coordinates(turn.displaced.at(some), basis)
-        weighted = [
-            link.mass_root.T @ reduction @ q
-            for link, reduction, q in zip(turn.unreduced, turn.bases, coordinates, strict=True)
-        ]
         first = turn.rigid_modes
         natural = np.swapaxes(turn.frozen_modes[some, :, : first + modes], 1, 2)
         amplitude = natural @ turn.mass[some] @ basis
@@ -105,7 +100,7 @@ class VibratingLinkage:
             conservative=moving.conservative,
             dissipative=moving.dissipative,
             attached=moving.attached,
-            weighted=np.concatenate(weighted, axis=1),
+            weighted=turn.weighted_shapes(basis, some),
             lowest=amplitude[:, first:],
             rigid=amplitude[:, :first],
             fastest=float(np.sqrt(max(squares[:, counted - 1].max(), 0.0))),

@@ -38,7 +38,7 @@ from flexmech.analyses.strength.words import ASKED, straight_line
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, checked_mechanism
-from flexmech.mechanism import Mechanism, drawing, require_standing_frame
+from flexmech.mechanism import Mechanism, drawing
 
 # Crank angles of equilibria at other speeds: a turn in steps of five degrees, for speed alone.
 MOST_SEARCHED = 73
@@ -106,7 +106,6 @@ def strength(
         raise InputError("speed_unit: the request has its own; give it there")
     else:
         request = speed
-    require_standing_frame(dry.frame, "the strength of links")
     judged = JudgedMechanism.of(dry, request)
     wet, turning = judged.mechanism, request.speed_of(dry)
     rigid = all(link.rigid for link in wet.linkage.topology.links)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -12,6 +12,7 @@ from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.response.plan import RunPlan, engines_in_state, planned
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import EngineRun, mesh_error, run_engine
+from flexmech.analyses.response.sprung_frame import in_axes_of_frame
 from flexmech.analyses.response.stresses import carried
 from flexmech.analyses.strength.forces import Cuts, InternalForces, internal_forces
 from flexmech.analyses.strength.joint_loads import JointLoads, LoadsOfTurn
@@ -96,6 +97,8 @@ class Runs(LoadsOfEngines):
         Accelerations are the slopes of the rates between the samples.
         """
         trajectory, running = run.trajectory, []
+        drawn = carried(engine, replace(trajectory, frame=None), self.request.drive)
+        motion = in_axes_of_frame(engine, drawn, trajectory)
         with one_thread():
             gained = [
                 CubicSpline(trajectory.time, own)(trajectory.time, 1) for own in trajectory.rate
@@ -105,11 +108,13 @@ class Runs(LoadsOfEngines):
                 running.append(
                     DisplacedLinks.of_run(
                         engine,
-                        carried(engine, part, self.request.drive),
+                        motion.at(batch),
                         part.time,
                         part.displacement,
                         part.rate,
                         [own[batch] for own in gained],
+                        drawn.at(batch),
+                        None if part.frame is None else part.frame.displacement[:, 2],
                     )
                 )
         topology = engine.mechanism.linkage.topology

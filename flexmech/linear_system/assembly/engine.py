@@ -227,9 +227,8 @@ class Engine(EngineParameters):
                 "modes or more elements",
                 most_modes=system.size,
             )
-        if (frame := self.mechanism.frame) is not None:
-            gravity, bases = self.mechanism.gravity, system.bases
-            carried = CarriedLinkage.of(frame, system.frames, self.links, gravity, bases)
+        carried = CarriedLinkage.of(self.mechanism, system.frames, self.links, system.bases)
+        if carried is not None:
             matrices = SystemMatrices(system.mass, system.damping, system.stiffness)
             matrices = carried.added(system.motion, matrices, terms, system.expansion)
             system = replace(system, **vars(matrices), carried=carried, unit_mass_from=None)
@@ -644,8 +643,8 @@ def has_constant_tangents(tangents: ConnectedMatrices, motion: RigidMotion) -> b
 def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     """Whether all forces on the links are constant in the link frames over the positions.
 
-    It is computed: no link turns against another one, and the forces of inertia, gravity, loads
-    and springs on the straight links, and the stiffness of springs, are constant.
+    It is computed: the frame stands, no link turns against another one, and the forces of inertia,
+    gravity, loads and springs on the straight links, and the stiffness of springs, are constant.
 
     Parameters
     ----------
@@ -657,7 +656,7 @@ def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     -------
     bool
     """
-    if has_relative_motion(engine.topology):
+    if has_relative_motion(engine.topology) or engine.mechanism.frame is not None:
         return False
     links, connectors = engine.clamped_links, engine.connectors
     # Together: a spring without tension pulls by round-off, which differs at all positions.

@@ -15,7 +15,7 @@ Forces and places in a link's frame are complex numbers: along it, and across it
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -27,7 +27,7 @@ from flexmech.linear_system.links.body_forces import turns_as_one_body
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.loads.connectors import PointForce
-from flexmech.linkages import LinkBody, RigidMotion
+from flexmech.linkages import LinkBody, RigidMotion, turned
 from flexmech.linkages.connection_forces import (
     connection_matrix,
     connections,
@@ -115,7 +115,6 @@ class DisplacedLinks:
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
         engine.require_prescribed_shaft("a quasi-static equilibrium")
-        engine.require_standing_frame("the strength of links")
         for load in engine.mechanism.loads:
             if load.over == "time":
                 raise InputError(
@@ -138,6 +137,8 @@ class DisplacedLinks:
         displacement: list[FloatArray],
         rate: list[FloatArray],
         acceleration: list[FloatArray],
+        drawn: RigidMotion | None = None,
+        turn: FloatArray | None = None,
     ) -> DisplacedLinks:
         """Links of an engine along a run.
 
@@ -150,19 +151,21 @@ class DisplacedLinks:
             In s.
         displacement, rate, acceleration : list of ndarray, shape (B, n_link)
             Of the links' coordinates, in their frames.
+        drawn : RigidMotion, optional
+            By whose velocities springs pull: that on a frame that stands, where ``motion`` has the
+            accelerations on one that moves; the same by default.
+        turn : ndarray, shape (B,), optional
+            By which the axes of ``motion`` have turned against those of loads, in rad.
 
         Returns
         -------
         DisplacedLinks
-
-        Raises
-        ------
-        InputError
-            If the mechanism has a frame on springs.
         """
-        engine.require_standing_frame("the strength of links")
-        connectors = engine.connectors
-        acting = connectors.point_forces(motion, displacement, time) if connectors.any else ()
+        connectors, at = engine.connectors, motion if drawn is None else drawn
+        acting = connectors.point_forces(at, displacement, time) if connectors.any else []
+        if turn is not None:
+            loads = len(engine.mechanism.loads)
+            acting[:loads] = [replace(x, force=turned(x.force, -turn)) for x in acting[:loads]]
         links = engine.mechanism, engine.links, motion, displacement, tuple(acting)
         return cls(*links, rate, acceleration)
 

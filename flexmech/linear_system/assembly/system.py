@@ -408,8 +408,9 @@ def point_rows(system: LinearSystem, point: LinkPoint, direction: LinkDirection)
     Returns
     -------
     ndarray, shape (B, n)
-        ``rows[b] @ z`` is the displacement in m in position b. A unit force there in that
-        direction is the generalized force ``rows[b]``.
+        ``rows[b] @ z`` is the displacement in m in position b, against the ground where a frame on
+        springs carries the linkage. A unit force there in that direction is the generalized force
+        ``rows[b]``.
 
     Raises
     ------
@@ -420,4 +421,9 @@ def point_rows(system: LinearSystem, point: LinkPoint, direction: LinkDirection)
     number = point.index(frames.topology)
     row = displacement_row(frames.links[number], point.fraction, direction)
     unit = np.broadcast_to(np.eye(system.size), (len(system.mass), system.size, system.size))
-    return np.asarray(row @ system.link_coordinates(unit)[number])
+    rows = np.asarray(row @ system.link_coordinates(unit)[number])
+    if (carried := system.carried) is not None:
+        place = point.fraction * frames.topology.links[number].length
+        unit = np.array([1.0, 0.0, 0.0] if direction == "axial" else [0.0, 1.0, place])
+        rows[:, -COORDINATES:] += unit @ carried.fields(system.motion)[number]
+    return rows

@@ -9,13 +9,13 @@ the acceleration, to first order in f::
 
 written in the same axes, with J a quarter turn (Shabana, *Dynamics of Multibody Systems*, ch. 5: a
 floating frame of reference). So a displaced frame does nothing to the links but for the direction
-of the weight. The forces on the frame are those of the links' inertia in ground axes: as it turns,
-the inertia forces of the rigid motion turn with it.
+of weight and loads. The forces on the frame are those of the links' inertia in ground axes: as it
+turns, the inertia forces of the rigid motion turn with it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
@@ -23,14 +23,17 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, row_products
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.link_inertia import LinkInertia, field_coefficients
+from flexmech.linear_system.links.link_inertia import FIELDS, LinkInertia, field_coefficients
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
+from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
+from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.motion import direction, normal, quarter_turn
-from flexmech.mechanism import SprungFrame
+from flexmech.linkages.applied_forces import ForceOnLink, forces_of_loads
+from flexmech.linkages.motion import cross, direction, normal, quarter_turn
+from flexmech.mechanism import Mechanism, SprungFrame
 
 COORDINATES = 3
 """Of a frame: displacement of its centre of mass along x and y, rotation."""
@@ -42,49 +45,50 @@ class CarriedLinkage:
 
     Parameters
     ----------
-    frame : SprungFrame
+    mechanism : Mechanism
+        With the frame.
     frames : LinkFrames
     inertias, of_ends : tuple of LinkInertia
         Of each link by its coordinates, and by those of its joined ends alone, which carry nothing
         with them: see :class:`flexmech.linear_system.links.link_model.EndMatrices`.
-    gravity : tuple of float
-        In ground axes, m/s^2.
+    rigid : tuple of ndarray, shape (n_full, 3)
+        Of each unreduced link for unit displacements along and across it and unit rotation.
     """
 
-    frame: SprungFrame
+    mechanism: Mechanism
     frames: LinkFrames
     inertias: tuple[LinkInertia, ...]
     of_ends: tuple[LinkInertia, ...]
-    gravity: tuple[float, float]
+    rigid: tuple[FloatArray, ...]
 
     @classmethod
     def of(
         cls,
-        frame: SprungFrame,
+        mechanism: Mechanism,
         frames: LinkFrames,
         links: Sequence[LinkModel],
-        gravity: tuple[float, float],
         bases: Sequence[FloatArray] | None = None,
-    ) -> Self:
-        """Those of links, reduced or not.
+    ) -> Self | None:
+        """Links of a mechanism, reduced or not, on its frame; None where that stands.
 
         Parameters
         ----------
-        frame : SprungFrame
+        mechanism : Mechanism
         frames : LinkFrames
         links : sequence of LinkModel
             Unreduced.
-        gravity : tuple of float
         bases : sequence of ndarray, shape (n_full, n_link), optional
             From the coordinates of ``frames`` to those of the unreduced links.
 
         Returns
         -------
-        CarriedLinkage
+        CarriedLinkage or None
         """
+        if mechanism.frame is None:
+            return None
         if bases is None:
             bases = [np.eye(link.size) for link in links]
-        inertias, of_ends = [], []
+        inertias, of_ends, rigid = [], [], []
         for own, full, basis in zip(frames.links, links, bases, strict=True):
             inertias.append(LinkInertia.of(own, full, basis))
             names = ("start", "end", "start_rotation", "end_rotation")
@@ -92,7 +96,45 @@ class CarriedLinkage:
             alone = own.reduced_ends is not None
             unit = full.end_basis(own.size, kept) if alone else basis
             of_ends.append(LinkInertia.of(own, full, unit))
-        return cls(frame, frames, tuple(inertias), tuple(of_ends), gravity)
+            fields = [getattr(full.fields, name) for name in FIELDS[:COORDINATES]]
+            rigid.append(np.stack(fields, axis=1))
+        return cls(mechanism, frames, tuple(inertias), tuple(of_ends), tuple(rigid))
+
+    @property
+    def frame(self) -> SprungFrame:
+        """The frame that carries the linkage."""
+        assert self.mechanism.frame is not None
+        return self.mechanism.frame
+
+    @property
+    def gravity(self) -> tuple[float, float]:
+        """In ground axes, m/s^2."""
+        return self.mechanism.gravity
+
+    def connected(self, own: ConnectedMatrices | None, batch: int) -> ConnectedMatrices:
+        """Matrices of connectors of the linkage, with the dampers of the frame.
+
+        Parameters
+        ----------
+        own : ConnectedMatrices or None
+            In the coordinates of ``frames``, (B, size, size); None where there are none.
+        batch : int
+            Number B of positions.
+
+        Returns
+        -------
+        ConnectedMatrices
+            (B, size + 3, size + 3).
+        """
+        size = self.frames.size
+        stiffness, damping, rate = np.zeros((3, batch, size + COORDINATES, size + COORDINATES))
+        if own is not None:
+            stiffness[:, :size, :size] = own.stiffness
+            damping[:, :size, :size] = own.damping
+            rate[:, :size, :size] = own.rate_stiffness
+        damping[:, size:, size:] = self.frame.damping
+        conservative = not self.frame.damping.any() and (own is None or own.is_conservative)
+        return ConnectedMatrices(stiffness, damping, rate, conservative)
 
     def fields(self, motion: RigidMotion) -> FloatArray:
         """Rigid displacement of each link by the frame's coordinates.
@@ -115,12 +157,32 @@ class CarriedLinkage:
         found[..., 2, 2] = 1.0
         return np.swapaxes(found, 0, 1)
 
+    def on_frame(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> FloatArray:
+        """Forces and moment on the frame of loads on the links that act from outside.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        loads : sequence of ndarray, shape (B, n_full) or (n_full,)
+            On each unreduced link in its frame. Of a row that reads a displacement against the
+            ground, what the coordinates of the frame add to it.
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+        """
+        resultants = (load @ rigid for load, rigid in zip(loads, self.rigid, strict=True))
+        pairs = zip(self.fields(motion), resultants, strict=True)
+        return np.asarray(sum((own[..., None, :] @ field)[:, 0] for field, own in pairs))
+
     def added(
         self,
         motion: RigidMotion,
         matrices: SystemMatrices,
         terms: RotationTerms,
         expansion: FloatArray | None = None,
+        time: FloatArray | None = None,
     ) -> SystemMatrices:
         """Matrices of the linkage with the coordinates of the frame, which come last.
 
@@ -133,6 +195,8 @@ class CarriedLinkage:
         terms : RotationTerms
         expansion : ndarray, shape (B, size, n), optional
             From these n coordinates to those of the link frames; they are the same by default.
+        time : ndarray, shape (B,), optional
+            In s; loads over time are left out without it.
 
         Returns
         -------
@@ -140,6 +204,7 @@ class CarriedLinkage:
             (B, n + 3, n + 3) each.
         """
         blocks = self._blocks(motion, terms)
+        self._add_loads(motion, time, blocks[2])
 
         def bordered(own: FloatArray, block: _Block) -> FloatArray:
             by_frame, on_frame = block.by_frame, block.on_frame
@@ -160,13 +225,15 @@ class CarriedLinkage:
             bordered(matrices.stiffness, blocks[2]),
         )
 
-    def load(self, motion: RigidMotion) -> FloatArray:
-        """Force of weight and of the inertia of the rigid motion on the frame.
+    def load(self, motion: RigidMotion, time: FloatArray | None = None) -> FloatArray:
+        """Force of weight, of loads and of the inertia of the rigid motion on the frame.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
+        time : ndarray, shape (B,), optional
+            In s; loads over time are left out without it.
 
         Returns
         -------
@@ -180,7 +247,32 @@ class CarriedLinkage:
         for number, inertia in enumerate(self.inertias):
             pull = self._acceleration(motion, number, gravity)
             total -= np.einsum("bkc,bk->bc", fields[number], (pull @ inertia.rigid)[:, :3])
+        for push, arm in self._pushes(motion, time):
+            moment = cross(arm, push.force) + push.torque
+            total += np.column_stack([push.force, moment])
         return total
+
+    def _pushes(
+        self, motion: RigidMotion, time: FloatArray | None
+    ) -> Iterator[tuple[ForceOnLink, FloatArray]]:
+        """Each load, in ground axes, and its arm (B, 2) from the frame's centre."""
+        topology = self.mechanism.linkage.topology
+        loads = [one for one in self.mechanism.loads if one.over != "time" or time is not None]
+        for push in forces_of_loads(topology, motion, loads, 0.0 if time is None else time):
+            yield push, motion.position(push.link, push.x) - np.asarray(self.frame.centre)
+
+    def _add_loads(self, motion: RigidMotion, time: FloatArray | None, stiffness: _Block) -> None:
+        """Add to the stiffness that loads keep their directions as the frame turns under them."""
+        topology, dependent = self.mechanism.linkage.topology, self.frames.dependent_rows(motion)
+        for push, arm in self._pushes(motion, time):
+            length = topology.links[push.link].length
+            fraction = float(push.x) / length
+            point = AttachedPoint.of(self.frames.links, push.link, fraction, length)
+            moved = PointJacobian.of(point, self.frames, motion, dependent[push.link]).value
+            leaning = np.einsum("bk,bkn->bn", quarter_turn(push.force), moved[:, :2])
+            stiffness.by_frame[:, :, 2] += leaning
+            stiffness.on_frame[:, 2] += leaning
+            stiffness.frame[:, 2, 2] += row_products(arm, push.force)
 
     def inertial_shapes(
         self, motion: RigidMotion, links: Sequence[NDArray[Any]], moved: NDArray[Any]

@@ -49,15 +49,15 @@ class FrameBody:
         Raises
         ------
         InputError
-            If the linkage has springs, or its shaft a hub.
+            If joints of the linkage have springs, or its shaft a hub.
         """
         frame = mechanism.frame
         if frame is None:
             return None
-        if mechanism.springs or mechanism.joint_springs:
+        if mechanism.joint_springs:
             raise InputError(
-                "the exudyn engine does not run a linkage with springs whose frame is on springs; "
-                "use the reference engine"
+                "the exudyn engine does not run springs in joints of a linkage whose frame is on "
+                "springs; use the reference engine"
             )
         if any(clamp.hub for clamp in mechanism.linkage.topology.clamps):
             raise InputError(

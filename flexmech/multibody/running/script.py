@@ -366,9 +366,13 @@ def _start(
 def _columns(items: Sequence[Item]) -> Iterator[tuple[str, str, int]]:
     """Column of a table, and the sensor and component that it holds."""
     for item in items:
+        name = item.name
+        if name == "frame_place":
+            yield from (("frame_x_m", name, 0), ("frame_y_m", name, 1))
+        elif name == "frame_rotation":
+            yield "frame_rotation_rad", name, 2
         if item.type != "SensorUserFunction":
             continue
-        name = item.name
         if name.endswith("_deflection"):
             is_tip = item.values["sensorUserFunction"].__name__ == "tip_deflection"
             link, place = name.removesuffix("_deflection"), "tip" if is_tip else "mid"

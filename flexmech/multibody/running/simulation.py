@@ -224,7 +224,7 @@ class Simulation:
         if shaft is not None:
             inertia = assembly.mechanism.shaft_inertia
             kinetic += inertia * motion.crank_speed**2 / 2
-        work = self.model.connectors.work(time, motion, displacement, rate)
+        work = self.model.connectors.work(time, motion, displacement, rate, carried)
         sprung = self.model.connectors.joint_forces(motion, displacement, rate)
         strain += work.stored
         dissipation += work.dissipation

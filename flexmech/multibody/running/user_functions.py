@@ -103,7 +103,8 @@ class Shaft:
     ) -> list[float]:
         """Sensor: distance of a clamped link's tip from the tangent at its clamp.
 
-        The sensors are the positions of its start and its end.
+        The sensors are the positions of its start and its end, and the rotation of a
+        frame on springs, if one carries the shaft.
 
         Parameters
         ----------
@@ -113,6 +114,8 @@ class Shaft:
         x0, y0, _ = mbs.GetSensorValues(sensors[0], configuration)
         x1, y1, _ = mbs.GetSensorValues(sensors[1], configuration)
         angle = self.angle(t)
+        if len(sensors) > 2:
+            angle += mbs.GetSensorValues(sensors[2], configuration)[2]
         return [math.cos(angle) * (y1 - y0) - math.sin(angle) * (x1 - x0)]
 
 
@@ -503,7 +506,7 @@ def guide_line_force(
     """Sensor: force of a line on the end that slides on it, in ground axes.
 
     The first factor is the number of the constraint, the second the angle of the line's
-    normal in rad; a sensor, if any, is that of the rotation of the link that guides it.
+    normal in rad; a sensor, if any, is that of the rotation of the link or frame it is on.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ from flexmech.linear_system import (
     SystemMatrices,
     deformations,
 )
-from flexmech.linkages import RigidMotion, continuous_angles
+from flexmech.linkages import RigidMotion, continuous_angles, turned
 from flexmech.linkages.applied_forces import forces_of_loads
 from flexmech.linkages.motion import cross
 
@@ -88,8 +88,9 @@ class DrivenConnectors:
         constant = tuple(load for load in mechanism.loads if load.over == "constant")
         tables = tuple(load for load in mechanism.loads if load.over != "constant")
         self.winds = _winds(engine)
-        # A follower load or torque that varies changes the stiffness; a spring that is wound up
-        # is not periodic: neither is interpolated.
+        # A load or torque that varies and turns against what it acts on changes the stiffness; a
+        # spring that is wound up is not periodic: neither is interpolated.
+        follower_torque |= mechanism.frame is not None
         turns = any(load.axes == "link" or follower_torque for load in tables)
         self.is_interpolated = not (self.winds or turns)
         self._parts: tuple[Connectors | None, ...] = (self._all, None)
@@ -178,6 +179,7 @@ class DrivenConnectors:
         elastic: LinkMotion,
         unit_motion: RigidMotion,
         place: FloatArray,
+        carried: RigidMotion | None = None,
     ) -> tuple[list[FloatArray], list[FloatArray], FloatArray, ConnectorWork]:
         """Generalized forces, virtual power and work on the moving linkage.
 
@@ -192,6 +194,8 @@ class DrivenConnectors:
             At unit crank speed.
         place : ndarray, shape (m, size)
             Coordinates of the frames, which rest there as the linkage turns at unit crank speed.
+        carried : RigidMotion, optional
+            The motion in ground axes, where ``motion`` is in those of a frame on springs.
 
         Returns
         -------
@@ -204,6 +208,7 @@ class DrivenConnectors:
             is.
         ConnectorWork
         """
+        on_ground = motion if carried is None else carried
         links = self._frames.links
         shapes = [np.zeros((len(time), link.size)) for link in links]
         fields = [np.zeros((len(time), 4)) for _ in links]
@@ -212,25 +217,32 @@ class DrivenConnectors:
             return shapes, fields, virtual, ConnectorWork.of((), power)
         rest = np.zeros_like(place)
         unit_elastic = self._frames.link_motion(unit_motion, place, rest, rest)
-        for push, in_joint in self._point_forces(time, motion, elastic):
+        turn = on_ground.angle[:, 0] - motion.angle[:, 0]
+        for push, in_joint in self._point_forces(time, motion, elastic, turn):
             point, number = push.point, push.point.link
             virtual += _power(push, unit_motion, unit_elastic)
             if in_joint:
                 continue
             shapes[number] += point.force(motion, push.force, push.torque)
             fields[number] += _on_fields(push, motion, elastic[number][0])
-        for push in self._loads(time, motion, elastic):
-            power += _power(push, motion, elastic)
+        for push in self._loads(time, on_ground, elastic):
+            power += _power(push, on_ground, elastic)
         displacement, rate, _ = zip(*elastic, strict=True)
         displaced = self._all.moved(motion, displacement, rate, finite=False)
         work = ConnectorWork.of(deformations(self._mechanism, motion, displaced), power)
         return shapes, fields, virtual, work
 
     def _point_forces(
-        self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
+        self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion, turn: FloatArray
     ) -> list[tuple[PointForce, bool]]:
-        """Forces one by one, and whether each is the radial force of a sprung joint."""
+        """Forces one by one, and whether each is the radial force of a sprung joint.
+
+        In axes that have turned with a frame, against which loads turn back.
+        """
         forces = [(push, False) for push in self._all.point_forces(motion, None, time)]
+        for number in range(len(self._mechanism.loads)):
+            push = forces[number][0]
+            forces[number] = replace(push, force=turned(push.force, -turn)), False
         for tangent in self._all.tangents(motion, None, time):
             ends = ((tangent.second, 1.0), (tangent.first, -1.0))
             deformation, opening = np.zeros((2, len(time), 3, 1))

@@ -393,13 +393,11 @@ class DrivenLinkage:
         self.bases = tuple(link.to_engine @ link.basis for link in links)
         self._from_engine = [link.from_engine for link in links]
         self.frames = LinkFrames(topology, self.links)
-        frame, gravity = engine.mechanism.frame, engine.mechanism.gravity
-        self.carried = None
-        if frame is not None:
+        self.carried = CarriedLinkage.of(
+            engine.mechanism, self.frames, self.unreduced, self.run_bases
+        )
+        if self.carried is not None:
             engine.require_prescribed_shaft("a linkage whose frame is on springs")
-            self.carried = CarriedLinkage.of(
-                frame, self.frames, self.unreduced, gravity, self.run_bases
-            )
         self._motor = shaft_torque
         self.rotor = None if shaft_torque is None else shaft_torque.coupling
         others = int(self.rotor is not None) if self.carried is None else COORDINATES
@@ -459,8 +457,8 @@ class DrivenLinkage:
         ----------
         time : ndarray, shape (m,)
             In s.
-        pushed : sequence of ndarray, shape (m, n_link), optional
-            The others, on the reduced links in their frames.
+        pushed : sequence of ndarray, shape (m, n_full), optional
+            The others, on the unreduced links in their frames.
 
         Returns
         -------
@@ -474,8 +472,12 @@ class DrivenLinkage:
         if self.shaft is not None and not self.shaft.has_motor:
             force += self.shaft.force(motion, self.shaft.balance(motion, force))
         if pushed is not None:
-            force += self.frames.gather(motion, pushed)
-        return np.pad(force, ((0, 0), (0, len(self.condensed) - self.frames.size)))
+            reduced = [f @ basis for f, basis in zip(pushed, self.run_bases, strict=True)]
+            force += self.frames.gather(motion, reduced)
+        force = np.pad(force, ((0, 0), (0, len(self.condensed) - self.frames.size)))
+        if pushed is not None and self.carried is not None:
+            force[:, -COORDINATES:] += self.carried.on_frame(motion, pushed)
+        return force
 
     def equations(
         self, time: FloatArray, *, frozen: bool = False, tables: bool = True
@@ -506,7 +508,7 @@ class DrivenLinkage:
             force += self.shaft.force(motion, pull)
         force += self.frames.gather(motion, [-s.prestress for s in stress])
         if self.carried is not None:
-            force = np.concatenate([force, self.carried.load(motion)], axis=1)
+            force = np.concatenate([force, self.carried.load(motion, time)], axis=1)
         if self._motor is not None:
             force = self._motor.forces(time, force, self.drive.crank_acceleration(time))
         terms = RotationTerms.all_or_none(not frozen)
@@ -528,7 +530,7 @@ class DrivenLinkage:
         if self.shaft is not None and self._motor is not None:
             matrices = self._motor.added(time, matrices, self.shaft.coordinate)
         if self.carried is not None:
-            matrices = self.carried.added(motion, matrices, terms)
+            matrices = self.carried.added(motion, matrices, terms, time=time)
         return Equations.condensed(motion, matrices, force, self.condensed)
 
     def quasi_static_equations(self, time: FloatArray) -> Equations:

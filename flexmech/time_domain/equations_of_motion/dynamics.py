@@ -88,7 +88,7 @@ class LinkageDynamics:
         unit_rates = frames.dependent_rows(unit)
         totals = np.zeros((6, len(time)))
         ends, fields, moments = [], [], []
-        acting = linkage.connectors.acting(time, motion, elastic, unit, coordinates[0])
+        acting = linkage.connectors.acting(time, motion, elastic, unit, coordinates[0], whole)
         pushed_shapes, pushed_fields, pushed_power, work = acting
         for number, (inertia, link, stress) in enumerate(
             zip(self._inertias, moving, linkage.stress.at(time), strict=True)

@@ -172,7 +172,7 @@ class LinearMarch:
             In s, one step apart.
         state : VibrationState
             At the first of them, arrays of shape (n,), or (n, k) for k motions at once.
-        pushed : sequence of ndarray, shape (m + 1, n_link), optional
+        pushed : sequence of ndarray, shape (m + 1, n_full), optional
             Forces on the reduced links in their frames at these times.
 
         Returns

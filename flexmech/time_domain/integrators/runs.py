@@ -14,12 +14,12 @@ from typing import Protocol, cast
 
 import numpy as np
 
-from flexmech.arrays import FloatArray, StepProgress
+from flexmech.arrays import FloatArray, StepProgress, row_products
 from flexmech.choices import Integrator, LinkDirection
 from flexmech.dynamical_systems import HalfSinePulse, VibrationState, initial_state
 from flexmech.dynamical_systems.lobatto import STAGES
 from flexmech.errors import ComputationError, InputError
-from flexmech.linear_system import Engine, LinkPoint, displacement_row
+from flexmech.linear_system import COORDINATES, Engine, LinkPoint, displacement_row
 from flexmech.linkages import Drive
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 from flexmech.time_domain.equations_of_motion.dynamics import LinkageDynamics
@@ -246,13 +246,14 @@ class LinkageUnderImpact:
         direction: LinkDirection,
     ) -> None:
         linkage.engine.require_prescribed_shaft("a run with impacts")
-        linkage.engine.require_standing_frame("a run with impacts")
         self._linkage, self._step = linkage, step
         topology = linkage.frames.topology
         struck, self._place = hit.index(topology), seen.index(topology)
-        self._row = displacement_row(linkage.links[self._place], seen.fraction, direction)
-        self._load = [np.zeros(link.size) for link in linkage.links]
-        self._load[struck] = displacement_row(linkage.links[struck], hit.fraction, direction)
+        links = linkage.unreduced
+        self._load, self._reading = ([np.zeros(link.size) for link in links] for _ in range(2))
+        self._load[struck] = displacement_row(links[struck], hit.fraction, direction)
+        row = displacement_row(links[self._place], seen.fraction, direction)
+        self._reading[self._place], self._row = row, row @ linkage.run_bases[self._place]
         self._march = marching(linkage, step, pushed=True)
 
     def run(
@@ -271,7 +272,7 @@ class LinkageUnderImpact:
         Returns
         -------
         ndarray, shape (steps + 1,)
-            In m, from the undeformed link.
+            In m, from the undeformed link on a frame that stands.
 
         Raises
         ------
@@ -291,8 +292,13 @@ class LinkageUnderImpact:
         blocks = _blocks(linkage, march, begin, self._step, whole, pushed)
         for done, time, history, expansion in blocks:
             coordinates = expansion.expanded(history)
-            moved = linkage.frames.link_motion(linkage.motion(time), *coordinates)
-            found[done + 1 - len(time) : done + 1] = moved[self._place][0] @ self._row
+            motion, now = linkage.motion(time), slice(done + 1 - len(time), done + 1)
+            found[now] = (
+                linkage.frames.link_motion(motion, *coordinates)[self._place][0] @ self._row
+            )
+            if linkage.carried is not None:
+                on_frame = linkage.carried.on_frame(motion, self._reading)
+                found[now] += row_products(on_frame, coordinates[0][:, -COORDINATES:])
         return found[: steps + 1]
 
 

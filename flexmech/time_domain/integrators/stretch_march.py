@@ -108,7 +108,7 @@ class StretchMarch:
             In s, one step apart.
         state : VibrationState
             At the first of them, arrays of shape (n,).
-        pushed : sequence of ndarray, shape (2 m + 1, n_link), optional
+        pushed : sequence of ndarray, shape (2 m + 1, n_full), optional
             Forces on the reduced links in their frames at these times.
 
         Returns

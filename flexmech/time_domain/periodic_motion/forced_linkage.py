@@ -7,12 +7,15 @@ links at each crank angle less that of the moving modes.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, row_products
 from flexmech.choices import LinkDirection
 from flexmech.dynamical_systems import ForcedPeriodicSystem
 from flexmech.linear_system import (
+    CarriedLinkage,
     LinkFrames,
     LinkPoint,
     RotationTerms,
@@ -68,7 +71,7 @@ def forced_linkage(
     reading[:, :size] = out / root
     # Zero where the moving modes are all coordinates.
     frames, remainder = LinkFrames(turn.frames.topology, turn.unreduced), np.zeros(len(into))
-    if size < frames.size:
+    if size < frames.size + turn.size - turn.frames.size:
         modal_stiffness = np.swapaxes(moving.basis, 1, 2) @ _stiffness(turn) @ moving.basis
         remainder -= (out * np.linalg.solve(modal_stiffness, into[..., None])[..., 0]).sum(axis=1)
         remainder += _flexibility(turn, frames, stressed, (hit, seen), direction, connected)
@@ -90,17 +93,29 @@ def _flexibility(
         for place, point in zip(places, points, strict=True)
     )
     flexibility = np.empty(len(turn.motion.crank_angle))
+    carried = turn.carried
+    if carried is not None:
+        carried = CarriedLinkage.of(carried.mechanism, frames, turn.unreduced)
     for first in range(0, len(flexibility), BATCH):
         batch = slice(first, first + BATCH)
         motion = turn.displaced.at(batch)
         tangent = [in_positions(t, batch) for t in stressed.tangent]
-        stiffness = frames.assemble(motion, tangent, RotationTerms.all_or_none(False)).stiffness
+        frozen = RotationTerms.all_or_none(False)
+        matrices = frames.assemble(motion, tangent, frozen)
         if connected is not None:
-            stiffness = stiffness + connected[batch]
-        loads = [np.zeros((len(stiffness), link.size)) for link in turn.unreduced]
-        loads[places[0]][:] = force
-        moved = np.linalg.solve(stiffness, frames.gather(motion, loads)[..., None])
-        flexibility[batch] = frames.link_coordinates(motion, moved)[places[1]][..., 0] @ row
+            matrices = replace(matrices, stiffness=matrices.stiffness + connected[batch])
+        loads, read = ([np.zeros(link.size) for link in turn.unreduced] for _ in range(2))
+        loads[places[0]], read[places[1]] = force, row
+        pushed = [np.tile(load, (len(matrices.mass), 1)) for load in loads]
+        right = frames.gather(motion, pushed)
+        if carried is not None:
+            matrices = carried.added(motion, matrices, frozen)
+            right = np.concatenate([right, carried.on_frame(motion, loads)], axis=1)
+        moved = np.linalg.solve(matrices.stiffness, right[..., None])
+        of_links, of_frame = moved[:, : frames.size], np.asarray(moved[:, frames.size :, 0])
+        flexibility[batch] = frames.link_coordinates(motion, of_links)[places[1]][..., 0] @ row
+        if carried is not None:
+            flexibility[batch] += row_products(carried.on_frame(motion, read), of_frame)
     return flexibility
 
 
@@ -115,6 +130,11 @@ def _row(moving: MovingModes, point: LinkPoint, direction: LinkDirection) -> Flo
     """Displacement of a point in the coordinates y of the moving modes, (N, m)."""
     turn = moving.turn
     number = point.index(turn.frames.topology)
-    row = displacement_row(turn.unreduced[number], point.fraction, direction) @ turn.bases[number]
-    reduced = turn.frames.link_coordinates(turn.displaced, moving.basis)[number]
-    return np.asarray(row @ reduced)
+    row = displacement_row(turn.unreduced[number], point.fraction, direction)
+    rows = row @ turn.bases[number] @ turn.link_coordinates(moving.basis)[number]
+    if turn.carried is not None:
+        loads = [np.zeros(link.size) for link in turn.unreduced]
+        loads[number] = row
+        on_frame = turn.carried.on_frame(turn.motion, loads)[:, None]
+        rows = rows + (on_frame @ moving.basis[:, turn.frames.size :])[:, 0]
+    return np.asarray(rows)

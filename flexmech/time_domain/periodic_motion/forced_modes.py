@@ -239,11 +239,13 @@ def forced_modes(
     stressed = engine.stressed_links(motion, prestress)
     DrivenConnectors(engine, engine.frames).require_periodic()
     turn = SampledTurn.of(engine, motion, stressed, prestress, modes)
-    count = min(modes + SPARE_MODES, turn.frames.size)
+    count = min(modes + SPARE_MODES, turn.size)
     if turn.has_relative_motion:
         count = counts_of_modes(turn, modes, 1)[0]
     moving = moving_modes(turn, count)
     force = turn.frames.gather(turn.displaced, _loads(engine, turn, stressed))
+    if turn.carried is not None:
+        force = np.concatenate([force, turn.carried.load(motion)], axis=1)
     force += _of_connectors(turn, stressed)
     modal = np.einsum("kni,kn->ki", moving.basis, force)
     shapes = np.concatenate([moving.basis, _rest(moving, force, modal)], axis=2)
@@ -297,14 +299,14 @@ def _of_connectors(turn: SampledTurn, stressed: StressedLinks) -> FloatArray:
     """What springs, guides and follower forces of the stressed state would be at none, (N, n)."""
     place, connected = stressed.displacement, turn.connected
     if place is None or connected is None:
-        return np.zeros((len(turn.motion.crank_angle), turn.frames.size))
+        return np.zeros((len(turn.motion.crank_angle), turn.size))
     reduced = []
     for link, basis, q in zip(turn.unreduced, turn.bases, place, strict=True):
         weighted = q if link.rigid else (link.mass @ q.T).T @ basis
         mass = np.eye(q.shape[1]) if link.rigid else basis.T @ (link.mass @ basis)
         reduced.append(np.linalg.solve(mass, weighted.T).T[..., None])
     z = turn.frames.independent(turn.displaced, reduced)
-    return np.asarray((connected.stiffness @ z)[..., 0])
+    return np.asarray((connected.stiffness[..., : z.shape[1]] @ z)[..., 0])
 
 
 def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArray:
@@ -316,7 +318,7 @@ def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArr
 
 def _read(turn: SampledTurn, readings: Readings, shapes: FloatArray) -> FloatArray:
     """Readings (N, r, k) of shapes (N, n, k) of the linkage."""
-    moved = turn.frames.link_coordinates(turn.displaced, shapes)
+    moved = turn.link_coordinates(shapes)
     values = np.zeros((len(shapes), len(readings), shapes.shape[2]))
     for index, rows in enumerate(readings):
         for row, basis, shape in zip(rows, turn.bases, moved, strict=True):

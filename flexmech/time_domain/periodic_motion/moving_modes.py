@@ -31,7 +31,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import MovingFrame
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
-from flexmech.linear_system import LinkModel
+from flexmech.linear_system import LinkModel, RotationTerms
 from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
 
 # A subspace turns fast where its highest frequency comes nearer than this part to the next one,
@@ -124,7 +124,7 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
         Increasing. Where fewer are smooth, the smoothest ones above them follow. All coordinates,
         if nothing changes along the turn or there are no more than are asked for.
     """
-    squares, largest = turn.frozen_squares, turn.frames.size
+    squares, largest = turn.frozen_squares, turn.size
     modes += turn.rigid_modes
     if turn.is_constant:
         return [largest]
@@ -245,14 +245,17 @@ def _projected(
     """B and Q, each (N, m, m), and ``P' D P`` with ``P' D P.`` of links."""
     count, _, size = basis.shape
     skew, stiffness, damping, moving_damping = np.zeros((4, count, size, size))
-    for number, shapes in enumerate(turn.frames.link_coordinates(turn.displaced, basis)):
+    if turn.carried is not None:
+        skew, stiffness = _on_a_frame(turn, basis)
+    for number, shapes in enumerate(turn.link_coordinates(basis)):
         across = np.swapaxes(shapes, 1, 2)
         in_frame = _in_link_frame if frame == "link" else _in_ground_axes
         inertia, rates = in_frame(turn, number, shapes)
-        for sign, (b, q) in [(1.0, inertia), *_turned_bodies(turn, number, shapes)]:
-            skew += sign * b
-            stiffness += sign * q
-        stiffness += across @ (turn.tangent[number] @ shapes)
+        if turn.carried is None:
+            for sign, (b, q) in [(1.0, inertia), *_turned_bodies(turn, number, shapes)]:
+                skew += sign * b
+                stiffness += sign * q
+            stiffness += across @ (turn.tangent[number] @ shapes)
         forces = across @ turn.damping[number]
         damping += forces @ shapes
         moving_damping += forces @ rates
@@ -263,6 +266,22 @@ def _projected(
     stiffness = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
     damping = (damping + np.swapaxes(damping, 1, 2)) / 2
     return skew, stiffness, _Forces(damping, moving_damping)
+
+
+def _on_a_frame(turn: SampledTurn, basis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """B and Q of a linkage that a frame on springs carries, each (N, m, m).
+
+    By its Lagrange function ``z.' M z. / 2 + z.' B z - z' Q z / 2`` with a skew B the equations of
+    motion have the damping matrix ``M. + 2 B`` and the stiffness ``Q + B.``: their skew and
+    symmetric parts tell both.
+    """
+    whole = turn.assembled(RotationTerms.all_or_none(True))
+    gyroscopic = (whole.damping - np.swapaxes(whole.damping, 1, 2)) / 4
+    potential = (whole.stiffness + np.swapaxes(whole.stiffness, 1, 2)) / 2
+    one = np.ones((1, 1, 1))
+    b, q = _inertia((whole.mass, gyroscopic, -potential), one, basis, turn.rate(basis))
+    # The mass varies: what b has of a symmetric part is a rate but for its own, y' b. y / 2.
+    return b, q + turn.rate((b + np.swapaxes(b, 1, 2)) / 2)
 
 
 def _inertia(

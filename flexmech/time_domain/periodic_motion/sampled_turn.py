@@ -11,6 +11,8 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries
 from flexmech.linear_system import (
+    COORDINATES,
+    CarriedLinkage,
     ConnectedMatrices,
     Engine,
     LinkFrames,
@@ -18,6 +20,7 @@ from flexmech.linear_system import (
     Prestress,
     RotationTerms,
     StressedLinks,
+    SystemMatrices,
     all_constant,
     body_turns,
     has_constant_tangents,
@@ -57,11 +60,13 @@ class SampledTurn:
     rigid_modes : int
         How many of the natural modes, the first ones, deform nothing: that of a free shaft.
     connected : ConnectedMatrices or None
-        Of springs, loads and guides in the coordinates of ``frames``; None without them.
+        Of springs, loads and guides, and of dampers of a frame on springs; None without them.
     displaced : RigidMotion
         The motion whose rigid links are where their stress has turned them.
     turns : list of list of ndarray, shape (N,), or None
         Of bodies on the links; see :func:`flexmech.linear_system.body_turns`.
+    carried : CarriedLinkage or None
+        With the frame on springs that carries the linkage: its three coordinates are the last.
     """
 
     motion: RigidMotion
@@ -76,6 +81,7 @@ class SampledTurn:
     connected: ConnectedMatrices | None
     displaced: RigidMotion
     turns: list[list[FloatArray]] | None
+    carried: CarriedLinkage | None = None
 
     @classmethod
     def of(
@@ -108,7 +114,6 @@ class SampledTurn:
         -------
         SampledTurn
         """
-        engine.require_standing_frame("a motion with periodic coefficients")
         speed = float(motion.crank_speed[0])
         # What is constant is solved exactly, in all coordinates.
         reduces = not (is_constant_turn(engine, motion) or engine.turns_as_one_body)
@@ -134,6 +139,9 @@ class SampledTurn:
             zero = np.zeros_like(guide_matrix)
             connected = connected or ConnectedMatrices(zero, zero, zero, is_conservative=True)
             connected = replace(connected, stiffness=connected.stiffness + guide_matrix)
+        carried = CarriedLinkage.of(engine.mechanism, frames, engine.links, reduced.bases)
+        if carried is not None:
+            connected = carried.connected(connected, len(motion.crank_angle))
         return cls(
             motion=motion,
             models=models,
@@ -150,7 +158,40 @@ class SampledTurn:
             connected=connected,
             displaced=displaced,
             turns=body_turns(engine.links, stressed.displacement),
+            carried=carried,
         )
+
+    @property
+    def size(self) -> int:
+        """Number n of coordinates: those of ``frames``, and of a frame on springs."""
+        return self.frames.size + (0 if self.carried is None else COORDINATES)
+
+    def link_coordinates(self, vectors: FloatArray, some: slice = slice(None)) -> list[FloatArray]:
+        """Coordinates (B, n_link, m) of each link by vectors (B, n, m) at some of the angles."""
+        own = vectors[:, : self.frames.size]
+        return self.frames.link_coordinates(self.displaced.at(some), own)
+
+    def weighted_shapes(self, vectors: FloatArray, some: slice) -> FloatArray:
+        """Shapes (B, n, m) at some of the angles, their products weighted by mass; (B, N, m)."""
+        coordinates = self.link_coordinates(vectors, some)
+        if self.carried is not None:
+            moved = vectors[:, self.frames.size :]
+            return self.carried.inertial_shapes(self.motion.at(some), coordinates, moved)
+        weighted = [
+            link.mass_root.T @ reduction @ q
+            for link, reduction, q in zip(self.unreduced, self.bases, coordinates, strict=True)
+        ]
+        return np.concatenate(weighted, axis=1)
+
+    def assembled(self, terms: RotationTerms) -> SystemMatrices:
+        """Matrices (N, n, n) of the undamped links, and of a frame on springs that carries them."""
+        undamped = [np.zeros((1, 1)) for _ in self.models]
+        matrices = self.frames.assemble(
+            self.displaced, self.tangent, terms, undamped, turns=self.turns
+        )
+        if self.carried is None:
+            return matrices
+        return self.carried.added(self.motion, matrices, terms)
 
     @property
     def has_relative_motion(self) -> bool:
@@ -163,7 +204,7 @@ class SampledTurn:
 
         Those of links, springs, loads and guides.
         """
-        if self.has_relative_motion:
+        if self.has_relative_motion or self.carried is not None:
             return False
         if not all_constant(m for m in (*self.tangent, *self.damping) if m.ndim == 3):
             return False
@@ -286,8 +327,7 @@ class SampledTurn:
 
     @cached_property
     def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        frozen = RotationTerms.all_or_none(False)
-        matrices = self.frames.assemble(self.displaced, self.tangent, frozen, turns=self.turns)
+        matrices = self.assembled(RotationTerms.all_or_none(False))
         if self.connected is not None:
             potential = self.connected.potential
             matrices = replace(matrices, stiffness=matrices.stiffness + potential)
