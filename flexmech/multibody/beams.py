@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
-from flexmech.beams.beam_shapes import hermite
+from flexmech.beams.theories import hermite
 from flexmech.errors import InputError
 from flexmech.linear_system import RigidFields
 from flexmech.mechanism import Mechanism
