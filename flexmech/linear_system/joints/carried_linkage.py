@@ -29,7 +29,7 @@ from flexmech.linear_system.links.link_inertia import FIELDS, LinkInertia, field
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
-from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
+from flexmech.linear_system.loads.connectors import ConnectedMatrices
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.applied_forces import ForceOnLink, forces_of_loads
 from flexmech.linkages.motion import cross, direction, normal, quarter_turn

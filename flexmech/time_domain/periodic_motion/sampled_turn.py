@@ -139,7 +139,7 @@ class SampledTurn:
             zero = np.zeros_like(guide_matrix)
             connected = connected or ConnectedMatrices(zero, zero, zero, is_conservative=True)
             connected = replace(connected, stiffness=connected.stiffness + guide_matrix)
-        carried = CarriedLinkage.of(engine.mechanism, frames, engine.links, reduced.bases)
+        carried = CarriedLinkage.of(engine.mechanism, frames, engine.links, bases)
         if carried is not None:
             connected = carried.connected(connected, len(motion.crank_angle))
         return cls(
