@@ -77,10 +77,6 @@ class LinkAssembly:
         self.items = SystemItems()
         self.frame: FrameBody | None = None
         self.mbs = self.items.mbs
-        self.items.begin("the ground")
-        self.ground = self.items.add("ObjectGround", "ground")
-        ground_node = self.items.add("NodePointGround", "ground_node")
-        self.fixed = self.items.mark_coordinate("ground_coordinate", ground_node, 0)
         self.base = self.topology.index(self.topology.clamps[0].link_end.link)
         self.parts = add_links(self.items, mechanism, self.kind, elements)
         self.size = self.parts[-1].coordinates.stop
@@ -95,6 +91,10 @@ class LinkAssembly:
         maps = [(part.node_map, part.coordinates.start) for _, part in self.beams]
         mapped = (Arms if self.kind.has_angles else PolarSlopes).joined(maps)
         self.nodes = LinkNodes(mapped, self.size, body_coordinates)
+        self.items.begin("the ground")
+        self.ground = self.items.add("ObjectGround", "ground")
+        ground_node = self.items.add("NodePointGround", "ground_node")
+        self.fixed = self.items.mark_coordinate("ground_coordinate", ground_node, 0)
 
     @property
     def beams(self) -> Iterator[tuple[int, BeamPart]]:

@@ -191,7 +191,7 @@ def exudyn_system(
     >>> request = flexmech.ResponseRequest(20.0, 0.01, step=1e-4)
     >>> system = flexmech.exudyn_system(flexmech.ExudynEngine(mechanism, 2), request)
     >>> system.nodes["coupler_node_1"], system.objects["pin_A"], system.sensors["driving_torque"]
-    (4, 14, 15)
+    (4, 13, 15)
     """
     asked = engine_of(engine_for(cast("Engine | Mechanism", engine), "exudyn"))
     if not hasattr(asked, "running_system"):
