@@ -166,10 +166,10 @@ class SampledTurn:
         """Number n of coordinates: those of ``frames``, and of a frame on springs."""
         return self.frames.size + (0 if self.carried is None else COORDINATES)
 
-    def link_coordinates(self, vectors: FloatArray, some: slice = slice(None)) -> list[FloatArray]:
-        """Coordinates (B, n_link, m) of each link by vectors (B, n, m) at some of the angles."""
-        own = vectors[:, : self.frames.size]
-        return self.frames.link_coordinates(self.displaced.at(some), own)
+    def link_coordinates(self, vectors: FloatArray, some: slice | None = None) -> list[FloatArray]:
+        """Coordinates (B, n_link, m) of each link by vectors (B, n, m) at all or some angles."""
+        motion = self.displaced if some is None else self.displaced.at(some)
+        return self.frames.link_coordinates(motion, vectors[:, : self.frames.size])
 
     def weighted_shapes(self, vectors: FloatArray, some: slice) -> FloatArray:
         """Shapes (B, n, m) at some of the angles, their products weighted by mass; (B, N, m)."""
