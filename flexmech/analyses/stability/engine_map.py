@@ -163,7 +163,7 @@ class _EngineMap:
         refused |= {w: each for w, each in outcomes.items() if isinstance(each, ComputationError)}
         solved = [each for each in outcomes.values() if isinstance(each, SolvedSpeed)]
         if not solved:
-            raise next(iter(refused.values()))
+            raise self._without_any(refused)
         fastest = abs(self._request.crank_speeds[-1])
         branches = track_modes([each.modes for each in solved])
         tracked = [
@@ -171,14 +171,14 @@ class _EngineMap:
             for each, modes, alike in zip(solved, branches.modes, branches.likeness, strict=True)
         ]
         # The last one followed is beyond the speeds asked for.
-        asked_for = [each for each in solved if abs(each.modes.crank_speed) <= fastest]
+        slowest = abs(self._request.crank_speeds[0])
+        asked_for = [each for each in solved if slowest <= abs(each.modes.crank_speed) <= fastest]
         if not asked_for:
-            raise next(iter(refused.values()))
+            raise self._without_any(refused)
         definite = all(each.is_definite for each in asked_for)
         bands: list[Band] = []
         samples: list[Sample] = []
         narrower = 0
-        slowest = abs(self._request.crank_speeds[0])
         within = [f for f in tracked if slowest <= abs(f.crank_speed) <= fastest]
         errors: list[ExponentErrors] = []
         measure = SignedGrowth(self._solver).of_exponents
@@ -260,6 +260,17 @@ class _EngineMap:
                 else:
                     self._solver.orbits[speed] = motion
         return refused
+
+    def _without_any(self, refused: dict[float, ComputationError]) -> ComputationError:
+        """Why there is a motion at none of the speeds."""
+        first = next(iter(refused.values()))
+        if self._request.prestress != "trajectory":
+            return first
+        return ComputationError(
+            f"{first.message}; or judge vibrations about the quasi-static equilibrium, by "
+            "prestress 'equilibrium'",
+            crank_speed=first.crank_speed,
+        )
 
     def _following_speeds(self) -> FloatArray:
         return following_speeds(self._request.crank_speeds[-1], FOLLOWING_STEP * self._lowest)
