@@ -188,7 +188,13 @@ def mapped_bands(
         As of :class:`CaseMap`.
     """
     engine = ReferenceEngine(mechanism, elements, "euler")
-    mapped = stability(engine, lowest * speeds, modes=3, damping_ratio=DAMPING_RATIO)
+    mapped = stability(
+        engine,
+        lowest * speeds,
+        prestress="equilibrium",
+        modes=3,
+        damping_ratio=DAMPING_RATIO,
+    )
     found = mapped.bands()
     bands = pd.DataFrame(
         {

@@ -1,15 +1,15 @@
 """From which crank speed on do the composite crank-rockers shake themselves up?
 
 Elamy et al. 2023 name instability thresholds in their abstract and print none. Here they are, by
-Floquet multipliers, over the four linkages and the six stackings: the crank speed at which the
-first band of growth opens, its width, and the damping ratio that closes it. Without damping there
-is no lowest band, for the slower the crank, the higher the order of a band and the narrower it is:
-a threshold belongs to a damping ratio. Links that only bend have one map a linkage, over the speed
-in parts of its lowest natural frequency; a stacking stretches it by sqrt(EI / (rho A)), its plies
-parallel to the plane of motion or stacked in it. Other stackings, computed by themselves, test
-that. Last, eigenvalues of frozen positions in link frames, with rotation terms and the stress of
-the running links, are held against the bands. Speeds in rad/s are of the link size that is
-assumed, for the paper prints none.
+Floquet multipliers about the quasi-static equilibrium, over the four linkages and the six
+stackings: the crank speed at which the first band of growth opens, its width, and the damping ratio
+that closes it. Without damping there is no lowest band, for the slower the crank, the higher the
+order of a band and the narrower it is: a threshold belongs to a damping ratio. Links that only bend
+have one map a linkage, over the speed in parts of its lowest natural frequency; a stacking
+stretches it by sqrt(EI / (rho A)), its plies parallel to the plane of motion or stacked in it.
+Other stackings, computed by themselves, test that. Last, eigenvalues of frozen positions in link
+frames, with rotation terms and the stress of the running links, are held against the bands. Speeds
+in rad/s are of the link size that is assumed, for the paper prints none.
 
     python scenarios/composite_thresholds.py [--out results/composite_thresholds]
 """  # noqa: D400 - a scenario asks a question

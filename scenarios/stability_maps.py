@@ -57,6 +57,7 @@ def main(
         found = maps[name] = stability(
             ReferenceEngine(four_bar(name), elements),
             speeds[name],
+            prestress="equilibrium",
             modes=MODES,
             damping_ratio=DAMPING_RATIO,
             against=("damping-ratio", ratios[name]),
