@@ -74,6 +74,10 @@ class StaticResponse:
             np.swapaxes(modes, -1, -2) @ (matrix @ modes)
             for (modes, _), matrix in zip(self._modes, tangent, strict=True)
         ]
+        if (design := self.motion.design) is not None:
+            stiffness = [
+                k if k.ndim == 2 or len(k) == len(design) else k[design] for k in stiffness
+            ]
         # Of the links' ends alone, whose stiffness is given.
         ends = [own.link.projected(own.boundary.unit, own.boundary.kept) for own in self.links]
         frames = LinkFrames(self.topology, ends)
