@@ -125,6 +125,7 @@ def test_a_script_runs_as_the_program_does(name: str, element: str, tmp_path: Pa
         ("moving guide", "ancf"),
         ("sprung joints", "ancf"),
         ("slider-crank on a frame", "ancf"),
+        ("four-bar on a frame", "ancf"),
     ],
 )
 def test_sensors_measure_what_the_engine_does(name: str, element: str) -> None:

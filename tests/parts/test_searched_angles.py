@@ -1,0 +1,16 @@
+"""Crank angles between which peaks are sought."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmech.analyses.kinematics.extremes import with_steps
+
+
+def test_angles_that_differ_by_round_off_are_one() -> None:
+    """A peak is sought between the neighbours of its own angle, not between two that are one."""
+    angles = np.linspace(0.0, 2.0, 21)
+    shaken = np.sort(angles * (1.0 + 1e-15 * (-1.0) ** np.arange(21)))
+    found = with_steps(shaken, 0.1)
+    assert len(found) == 21
+    assert np.diff(found).min() > 0.09
