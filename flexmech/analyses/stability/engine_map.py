@@ -62,7 +62,7 @@ from flexmech.analyses.stability.speed_range import (
     speeds_without_equilibrium,
     window_ends,
 )
-from flexmech.arrays import FloatArray, LabelledProgress
+from flexmech.arrays import ROUND_OFF, FloatArray, LabelledProgress
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine
 from flexmech.time_domain import NonlinearOrbit
@@ -164,14 +164,14 @@ class _EngineMap:
         solved = [each for each in outcomes.values() if isinstance(each, SolvedSpeed)]
         if not solved:
             raise self._without_any(refused)
-        fastest = abs(self._request.crank_speeds[-1])
+        fastest = abs(self._request.crank_speeds[-1]) * (1 + ROUND_OFF)
         branches = track_modes([each.modes for each in solved])
         tracked = [
             _tracked(each, modes, alike)
             for each, modes, alike in zip(solved, branches.modes, branches.likeness, strict=True)
         ]
         # The last one followed is beyond the speeds asked for.
-        slowest = abs(self._request.crank_speeds[0])
+        slowest = abs(self._request.crank_speeds[0]) * (1 - ROUND_OFF)
         asked_for = [each for each in solved if slowest <= abs(each.modes.crank_speed) <= fastest]
         if not asked_for:
             raise self._without_any(refused)
