@@ -77,7 +77,9 @@ def cuts_of(mechanism: Mechanism, link: str, elements: int, further: Sequence[fl
     beside = BESIDE * length
     jumps = np.unique([x for x in kinks_of(mechanism, link) if beside < x < length - beside])
     even = np.linspace(0.0, length, elements + 1)
-    more = np.asarray(further, dtype=float)
+    # Searches meet at a place but for round-off.
+    more = np.unique(np.asarray(further, dtype=float))
+    more = more[np.diff(more, prepend=-np.inf) > SAME_PLACE * length]
     new = np.abs(even[:, None] - more).min(axis=0) > SAME_PLACE * length
     even = np.union1d(even, more[new])
     # A part's end at a jump is there already, on both of its sides.

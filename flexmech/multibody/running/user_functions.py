@@ -506,7 +506,7 @@ def guide_line_force(
     """Sensor: force of a line on the end that slides on it, in ground axes.
 
     The first factor is the number of the constraint, the second the angle of the line's
-    normal in rad; a sensor, if any, is that of the rotation of the link or frame it is on.
+    normal in rad; a sensor, if any, is that of the rotation of what the line is on.
 
     Parameters
     ----------
