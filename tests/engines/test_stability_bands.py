@@ -151,6 +151,7 @@ def test_a_vibration_grows_about_the_motion_of_a_damped_steel_linkage() -> None:
     assert growth["equilibrium"] < -1.0
 
 
+@pytest.mark.thorough
 def test_modes_that_die_out_within_a_step_leave_the_map_of_the_others() -> None:
     """Kelvin-Voigt damping of 0.5 % at 50 Hz overdamps modes above 10 kHz."""
     engine = ReferenceEngine(load_mechanism(PACKER), 8)
