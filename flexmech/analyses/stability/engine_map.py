@@ -214,12 +214,19 @@ class _EngineMap:
 
     def _open_windows(self, speeds: Sequence[float]) -> None:
         """Build the linkage at the nodes of windows over the whole range of speeds."""
+        self._by_ratio = self._with_windows("stress", self._by_ratio, speeds)
+        if self._solver.engine is self._by_ratio.engine:
+            self._solver = replace(self._solver, windows=self._by_ratio.windows)
+        else:
+            self._solver = self._with_windows("damping", self._solver, speeds)
+
+    def _with_windows(
+        self, label: str, solver: LinkageSolver, speeds: Sequence[float]
+    ) -> LinkageSolver:
+        """A solver with windows over a range of speeds."""
         ends = window_ends(speeds, self._lowest)
-        opened = self._each("stress", partial(narrow_windows, self._by_ratio), ends)
-        self._by_ratio = replace(self._by_ratio, windows=joined_windows(opened))
-        if self._solver.engine is not self._by_ratio.engine:
-            opened = self._each("damping", partial(narrow_windows, self._solver), ends)
-        self._solver = replace(self._solver, windows=joined_windows(opened))
+        opened = self._each(label, partial(narrow_windows, solver), ends)
+        return replace(solver, windows=joined_windows(opened))
 
     def _outcomes(self, asked: Sequence[float]) -> tuple[dict[float, _Outcome], bool]:
         """Modes at the speeds asked for and those between, by which modes are tracked."""
@@ -284,11 +291,8 @@ class _EngineMap:
         ends = self._request.ends
         if self._request.prestress == "trajectory":
             # Each speed takes a periodic motion; the equilibrium says where one is worth it.
-            quasi_static = replace(self._solver, prestress=self._solver.quasi_static)
-            opened = self._each(
-                "stress", partial(narrow_windows, quasi_static), window_ends(ends, self._lowest)
-            )
-            quasi_static = replace(quasi_static, windows=joined_windows(opened))
+            about = replace(self._solver, prestress=self._solver.quasi_static)
+            quasi_static = self._with_windows("stress", about, ends)
             near = partial(promising, quasi_static, lowest=self._lowest, least_ratio=least)
             pairs = [pair for pair in self._each("meeting modes", near, pairs) if pair.meetings]
         task = partial(met, self._solver, lowest=self._lowest, least_ratio=least, ends=ends)
