@@ -57,7 +57,7 @@ PARTED = 1e-11
 # their distance asks for they may take, since columns of a group are first to be told apart.
 FIRST_TURNS = 20
 PATIENCE = 3.0
-# Of a step, to which damping ratios far above one lead: with so many, exp(8 * 1024) within a step.
+# Parts of a step, where damping ratios are far above one: exp(8 * 1024) fits within a step.
 MOST_PARTS = 1024
 
 

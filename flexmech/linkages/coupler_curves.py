@@ -56,7 +56,7 @@ from flexmech.validation import POSITIVE, check_angle, check_instance, check_num
 # Number of the coupler among the links of a four-bar.
 COUPLER = 1
 
-# Of the linkage's size, in m per rad. A velocity is known to about 1e-15 of the size: below this
+# Part of the linkage's size, in m per rad. A velocity is known to 1e-15 of the size: below this
 # one the direction of the tangent has fewer than six digits, and the curvature none.
 STANDSTILL = 1e-9
 

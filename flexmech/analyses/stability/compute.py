@@ -46,7 +46,7 @@ logger = logging.getLogger(__name__)
 
 # Each is a search for the equilibria of a turn of its own; the bands change slowly with the speed.
 MOST_SPEEDS = 9
-# Of a turn of the linear periodic motion, whose distance from the equilibrium is a percentage.
+# Steps a turn of the linear periodic motion, whose distance from the equilibrium is a percentage.
 MOTION_STEPS = 720
 # Every 10 deg: the bands stand beside the multipliers as a picture, without errors.
 ANGLES = 36

@@ -78,7 +78,7 @@ class StaticResponse:
             stiffness = [
                 k if k.ndim == 2 or len(k) == len(design) else k[design] for k in stiffness
             ]
-        # Of the links' ends alone, whose stiffness is given.
+        # The links by their ends alone, whose stiffness is given.
         ends = [own.link.projected(own.boundary.unit, own.boundary.kept) for own in self.links]
         frames = LinkFrames(self.topology, ends)
         still = RotationTerms.all_or_none(False)

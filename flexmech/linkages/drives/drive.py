@@ -20,7 +20,7 @@ from flexmech.model_text import TomlTable, fields_table
 from flexmech.units import ANGLE, ANGULAR_SPEED, TIME
 from flexmech.validation import NOT_NEGATIVE, check_number
 
-# Of the speeds of a motion, or of a radian over its whole time: what splines leave of rest.
+# Part of a motion's speeds, or of a radian over its whole time: what splines leave of rest.
 _ROUND_OFF = 1e-9
 # Moves forth and back are alike but for this part of their speed.
 _ALIKE = 1e-12

@@ -44,7 +44,7 @@ DAMPING_RATIO = Bounds(least=0.0, below=1.0)
 TOLERATED = Bounds(above=0.0, below=1.0)
 # A damped EI shaper is found from the undamped one, whose form is closed, in steps of this ratio.
 _RATIO_STEP = 0.01
-# Of the impulses' sum, and of the conditions of an EI shaper: some thousand unit round-offs.
+# Tolerance of the impulses' sum and of an EI shaper's conditions: thousands of unit round-offs.
 _CLOSED = 1e-12
 
 

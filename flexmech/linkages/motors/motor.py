@@ -504,7 +504,7 @@ class MotorDrive:
         return table
 
 
-# Of the speed and of a command, over which the answer is differentiated.
+# Part of a speed and of a command over which the answer is differentiated.
 _DIFFERENCE = 1e-6
 
 
