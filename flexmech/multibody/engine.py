@@ -45,6 +45,7 @@ from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
 from flexmech.multibody.items import check_exudyn
 from flexmech.multibody.linearize import (
+    damping_stiffness,
     internal_forces,
     link_models,
     running_tangents,
@@ -375,30 +376,34 @@ class ExudynEngine(Engine):
         simulation = Simulation(model, step, steps, integrator)
         return ExudynSystem.of(simulation, start, stride)
 
-    def running_clamped_links(
+    def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
-        """Stiffness and internal forces in running states; see :meth:`Engine.running_links`."""
+        """Elastic stiffness, forces and damping; see :meth:`Engine.running_links`."""
         tangent, damping = running_tangents(self.model, motion, displacement)
-        force, links = internal_forces(self.model, displacement), self.clamped_links
-        # Joints do to a crank or a hub on a free shaft what straight links do; of other rigid links
-        # that turn it is not told.
+        force = internal_forces(self.model, displacement)
+        return StressedLinks(tangent, list(displacement), force, damping)
+
+    def tangents_under_dead_loads(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> Sequence[FloatArray]:
+        """See :meth:`Engine.tangents_under_dead_loads`."""
+        tangent, links = running_tangents(self.model, motion, displacement)[0], self.clamped_links
         elastic = {n: tangent[n] for n, link in enumerate(links) if not link.rigid}
         dead = self._dead(motion, inertia_loads(links, motion, self.mechanism.gravity))
         stiffened = dead.add_stiffness(elastic, [q.T for q in displacement])
-        tangents = [stiffened.get(number, matrix) for number, matrix in enumerate(tangent)]
-        shaft = self.free_shaft
-        if shaft is not None and (shaft.clamp.hub or links[shaft.link].rigid):
-            _, stiffness = straight_forces(
-                self.mechanism,
-                self.rigid_joint_frames,
-                motion,
-                self._loads(motion),
-                connectors=self.connectors,
-            )
-            straight = with_rigid_links(self.frames, stiffened, stiffness)
-            tangents[shaft.link] = straight.tangent[shaft.link]
-        return StressedLinks(tangents, list(displacement), force, damping)
+        return [stiffened.get(number, matrix) for number, matrix in enumerate(tangent)]
+
+    def damping_stiffness(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
+    ) -> list[FloatArray] | None:
+        """See :meth:`Engine.damping_stiffness`."""
+        if not any(link.damping.any() for link in self.clamped_links):
+            return None
+        return damping_stiffness(self.model, motion, displacement, rate)
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""

@@ -36,7 +36,7 @@ DAMPER_TURNS = 8
 
 
 def linearized(
-    model: StaticModel, settings: Any, state: FloatArray
+    model: StaticModel, settings: Any, state: FloatArray, velocity: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mass, stiffness and damping matrix of links in Exudyn's coordinates, without their springs.
 
@@ -48,6 +48,8 @@ def linearized(
     settings : exudyn.SimulationSettings
     state : ndarray, shape (size,)
         Exudyn's coordinates, less the reference ones.
+    velocity : ndarray, shape (size,), optional
+        At which the damping forces count in the stiffness; none by default.
 
     Returns
     -------
@@ -55,6 +57,8 @@ def linearized(
     """
     initial, mbs = load_exudyn().ConfigurationType.Initial, model.assembly.mbs
     mbs.systemData.SetODE2Coordinates(state, initial)
+    moving = np.zeros_like(state) if velocity is None else velocity
+    mbs.systemData.SetODE2Coordinates_t(moving, initial)
     if model.connectors is not None:
         model.connectors.activate(False)
     mass, stiffness, damping = map(np.array, mbs.ComputeLinearizedSystem(settings)[:3])
@@ -183,6 +187,48 @@ def running_tangents(
         model.move_to(motion, number, poses[number])
         tangents.linearize_at(number, settings, state)
     return tangents.in_link_frames(relative)
+
+
+def damping_stiffness(
+    model: StaticModel,
+    motion: RigidMotion,
+    displacement: Sequence[FloatArray],
+    rate: Sequence[FloatArray],
+) -> list[FloatArray]:
+    """Derivative of the links' damping forces by their displacement at given rates.
+
+    Parameters
+    ----------
+    model : StaticModel
+    motion : RigidMotion
+        Batch of shape (B,).
+    displacement, rate : sequence of ndarray, shape (B, n_link)
+        Of each link in its frame, and its time derivative.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n_link, n_link)
+        Zero for rigid links.
+    """
+    assembly, settings = model.assembly, simulation_settings()
+    poses, angle = model.poses(motion)
+    state = poses + assembly.turned(np.concatenate(displacement, axis=1), angle)
+    rates = assembly.turned(np.concatenate(rate, axis=1), angle)
+    nodes, velocity = assembly.nodes.to_nodes(state), assembly.nodes.rate_to_nodes(state, rates)
+    stiffness, damping = np.empty((2, *nodes.shape, nodes.shape[1]))
+    for number, place in enumerate(nodes):
+        model.move_to(motion, number, poses[number])
+        _, still, damping[number] = linearized(model, settings, place)
+        stiffness[number] = linearized(model, settings, place, velocity[number])[1] - still
+    changes = [np.zeros((*q.shape, q.shape[1])) for q in displacement]
+    for number, part in assembly.beams:
+        at, mapped = part.coordinates, part.node_map
+        matrix = stiffness[:, at, at]
+        if len(mapped.first):
+            by_rate = damping[:, at, at]
+            matrix = mapped.damping_stiffness(state[:, at], rates[:, at], matrix, by_rate)
+        changes[number] = _to_link_frame(matrix, angle[:, number], *part.vectors)
+    return changes
 
 
 def internal_forces(model: StaticModel, displacement: Sequence[FloatArray]) -> list[FloatArray]:

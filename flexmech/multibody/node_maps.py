@@ -70,6 +70,12 @@ class NodeMap(ABC):
     def curvature(self, q: FloatArray, force: FloatArray) -> FloatArray:
         """Second derivative of the work of constant forces (..., k, b), (..., k, b, b)."""
 
+    def gradient_rate(self, q: FloatArray, rate: FloatArray) -> FloatArray:
+        """Time derivative of :meth:`gradient` at rates (..., k, b) of blocks, (..., k, b, b)."""
+        units = np.eye(self.block)
+        rows = [self.curvature(q, np.broadcast_to(u, q.shape)) @ rate[..., None] for u in units]
+        return np.stack([row[..., 0] for row in rows], axis=-2)
+
     def to_nodes(self, axis: FloatArray) -> FloatArray:
         """Coordinates of the nodes.
 
@@ -152,9 +158,7 @@ class NodeMap(ABC):
         -------
         ndarray, shape (..., n, n)
         """
-        whole = np.zeros((*axis.shape, axis.shape[-1]))
-        whole[..., :, :] = np.eye(axis.shape[-1])
-        whole[..., self.at[:, :, None], self.at[:, None]] = self.gradient(axis[..., self.at])
+        whole = self._gradient_of_all(axis)
         return np.asarray(np.swapaxes(whole, -1, -2) @ matrix @ whole)
 
     def tangent(self, axis: FloatArray, stiffness: FloatArray, force: FloatArray) -> FloatArray:
@@ -175,6 +179,36 @@ class NodeMap(ABC):
         tangent, at = self.matrix(axis, stiffness), self.at
         tangent[..., at[:, :, None], at[:, None]] += self.curvature(axis[..., at], force[..., at])
         return tangent
+
+    def damping_stiffness(
+        self, axis: FloatArray, rate: FloatArray, stiffness: FloatArray, damping: FloatArray
+    ) -> FloatArray:
+        """Derivative of damping forces ``J' D J q.`` by the link's coordinates q.
+
+        Parameters
+        ----------
+        axis, rate : ndarray, shape (..., n)
+        stiffness, damping : ndarray, shape (..., n, n)
+            Derivatives of the forces on the nodes by their coordinates and by their velocities.
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        whole, at = self._gradient_of_all(axis), self.at
+        changing = np.zeros_like(whole)
+        turning = self.gradient_rate(axis[..., at], rate[..., at])
+        changing[..., at[:, :, None], at[:, None]] = turning
+        force = (damping @ self.rate_to_nodes(axis, rate)[..., None])[..., 0]
+        by_rate = np.swapaxes(whole, -1, -2) @ damping @ changing
+        return self.tangent(axis, stiffness, force) + np.asarray(by_rate)
+
+    def _gradient_of_all(self, axis: FloatArray) -> FloatArray:
+        """Derivative of all nodes' coordinates by those of the link, (..., n, n)."""
+        whole = np.zeros((*axis.shape, axis.shape[-1]))
+        whole[..., :, :] = np.eye(axis.shape[-1])
+        whole[..., self.at[:, :, None], self.at[:, None]] = self.gradient(axis[..., self.at])
+        return whole
 
     def _rates(self, matrices: FloatArray, values: FloatArray) -> FloatArray:
         mapped = values.copy()

@@ -201,28 +201,30 @@ class ReferenceEngine(Engine):
         refuse_large_displacements(self.clamped_links, motion, displacement)
         return replace(self._displaced(motion, displacement, varying, loads), loads=loads)
 
-    def running_clamped_links(
+    def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
-        """Stiffness and internal forces in running states; see :meth:`Engine.running_links`.
+        """Elastic stiffness, forces and damping; see :meth:`Engine.running_links`.
 
         The tension varies inside an element as the inertia forces of the rigid motion make it;
         what those of the elastic motion add inside it is left out, and falls with the square
         of the element length. Their mean is that of the state.
         """
-        varying = self._varying(motion)
+        force, of_chains = self.balance.response(displacement, self._varying(motion), motion.design)
+        tangent = [
+            of_chains.get(number, np.zeros((link.size, link.size)))
+            for number, link in enumerate(self.clamped_links)
+        ]
+        return StressedLinks(
+            tangent, list(displacement), force, self._damping(motion, displacement)
+        )
+
+    def tangents_under_dead_loads(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> Sequence[FloatArray]:
+        """See :meth:`Engine.tangents_under_dead_loads`."""
         loads = self._loads(motion, displacement)
-        stressed = self._displaced(motion, displacement, varying, loads)
-        # What inertia forces do to arms that turn is no internal force of a running link.
-        assert stressed.internal_force is not None
-        dead, columns = self._dead(motion, loads, displacement), [q.T for q in displacement]
-        fallen, stiffness = [np.zeros_like(q) for q in columns], dead.by_link(columns)
-        dead.add_forces(fallen, columns)
-        for number, link in enumerate(self.clamped_links):
-            if link.rigid:
-                fallen[number][2] = stiffness[number] * columns[number][2]
-            stressed.internal_force[number] -= fallen[number].T
-        return stressed
+        return self._displaced(motion, displacement, self._varying(motion), loads).tangent
 
     def _displaced(
         self,
@@ -241,23 +243,33 @@ class ReferenceEngine(Engine):
             beside = [load - own for load, own in zip(loads, force, strict=True)]
             found = self.balance.stiffness_of_rigid(motion, displacement, beside, dead)
         stressed = with_rigid_links(frames, of_chains, found)
-        damping = None
-        if any(link.damping.any() for link in links):
-            bent = self.balance.damping(displacement, motion.design)
-            damping = [bent.get(n, np.zeros((*q.shape, 3))) for n, q in enumerate(displacement)]
         # A rigid link that turns meets its tangent as it is, against the forces that cause it.
         for number, link in enumerate(links):
             if link.rigid:
                 turned = stressed.tangent[number] @ displacement[number][..., None]
                 force[number] = turned[..., 0]
+        damping = self._damping(motion, displacement)
         return replace(
             stressed, displacement=list(displacement), internal_force=force, damping=damping
         )
 
+    def _damping(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> list[FloatArray] | None:
+        """Damping of displaced links, (B, n_link, n_link); None where none is damped."""
+        if not any(link.damping.any() for link in self.clamped_links):
+            return None
+        bent = self.balance.damping(displacement, motion.design)
+        return [bent.get(n, np.zeros((*q.shape, 3))) for n, q in enumerate(displacement)]
+
     def damping_stiffness(
-        self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
     ) -> list[FloatArray] | None:
         """See :meth:`Engine.damping_stiffness`."""
+        del motion
         if not any(link.damping.any() for link in self.clamped_links):
             return None
         found = self.balance.damping_stiffness(displacement, rate)

@@ -117,12 +117,11 @@ class Systems:
 
     def stressed(self, crank_angle: FloatArray, crank_speed: FloatArray | float) -> StressedLinks:
         """Links under their stress at crank angles (B,) and speeds that match them."""
+        if self.running is not None:
+            return self.running.stressed_links(self.engine, crank_angle)
         motion = self.engine.mechanism.linkage.motion(
             crank_angle, np.broadcast_to(crank_speed, crank_angle.shape)
         )
-        states = self.states(crank_angle)
-        if states is not None:
-            return self.engine.running_links(motion, states)
         return self.engine.stressed_links(motion, self.formulation.quasi_static_prestress)
 
     def at(
@@ -142,11 +141,12 @@ class Systems:
         stressed : StressedLinks, optional
             What :meth:`stressed` gave there.
         """
+        if stressed is None and self.running is not None:
+            stressed = self.stressed(crank_angle, crank_speed)
         return self.engine.linear_system(
             crank_angle,
             crank_speed,
             prestress=self.formulation.quasi_static_prestress,
-            running=self.states(crank_angle) if stressed is None else None,
             rotation_terms=self.formulation.rotation_terms,
             modes=self.formulation.modes,
             fastest=self.fastest,

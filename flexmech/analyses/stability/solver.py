@@ -368,7 +368,7 @@ class LinkageSolver:
             motion, samples = motion.at(order), len(order)
         if self.prestress == "trajectory":
             orbit = self.orbit(crank_speed)
-            stressed = self.engine.running_links(motion, orbit.at(motion.crank_angle)[0])
+            stressed = orbit.stressed_links(self.engine, motion.crank_angle)
         else:
             near = None if self.known is None else self.known.near(crank_speed, samples)
             stressed = stressed_along_turn(self.engine, motion, self.prestress, near)

@@ -149,7 +149,6 @@ class Engine(EngineParameters):
         crank_speed: ArrayLike = 0.0,
         *,
         prestress: Prestress = "equilibrium",
-        running: Sequence[FloatArray] | None = None,
         rotation_terms: bool | RotationTerms = True,
         modes: int | None = None,
         fastest: FloatArray | float | None = None,
@@ -163,8 +162,6 @@ class Engine(EngineParameters):
         crank_angle, crank_speed : array_like
             In rad and rad/s; broadcast against each other and flattened to a batch of B.
         prestress : {"none", "axial", "equilibrium"}
-        running : sequence of ndarray, shape (B, n_link), optional
-            Elastic displacements of states to linearize about, in place of the prestress.
         rotation_terms : bool or RotationTerms
             Terms of the turning frames; at crank speed zero they vanish.
         modes : int, optional
@@ -177,7 +174,7 @@ class Engine(EngineParameters):
             Multiplies the frequency up to which component modes are kept, whose error
             ``natural_frequencies`` measures; left out: all coordinates are kept.
         stressed : StressedLinks, optional
-            What :meth:`stressed_links` or :meth:`running_links` gave in these positions.
+            Links to linearize about in these positions, in place of those of the prestress.
 
         Returns
         -------
@@ -208,9 +205,7 @@ class Engine(EngineParameters):
             motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
         if not motion.crank_speed.any():
             terms = RotationTerms.all_or_none(False)
-        if stressed is None and running is not None:
-            stressed = self.running_links(motion, running)
-        elif stressed is None:
+        if stressed is None:
             stressed = self.stressed_links(motion, prestress)
         reduction = None
         if detail is not None and self.component_modes and not self.turns_as_one_body:
@@ -435,7 +430,7 @@ class Engine(EngineParameters):
             motion,
             loads,
             solve,
-            lambda displacement: self.running_clamped_links(motion, displacement).tangent,
+            lambda displacement: self.tangents_under_dead_loads(motion, displacement),
             displaced_inertia=self.displaced_inertia(motion),
             solve_connects=self.solves_connectors,
         )
@@ -452,10 +447,13 @@ class Engine(EngineParameters):
         loaded = motion.crank_speed.any() or any(self.mechanism.gravity) or self.connectors.any
         return prestress == "none" or not loaded
 
+    @abstractmethod
     def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
-        """Tangent stiffness, internal forces and damping in states of the running linkage.
+        """Elastic tangent stiffness, internal forces and damping of displaced links.
+
+        What inertia does to bodies and rigid links that turn is not among them.
 
         Parameters
         ----------
@@ -468,34 +466,46 @@ class Engine(EngineParameters):
         -------
         StressedLinks
         """
-        stressed = self.running_clamped_links(motion, displacement)
-        inertia = self.displaced_inertia(motion)
-        stressed = without_spin_softening(self.clamped_links, motion, stressed, inertia)
-        return replace(stressed, motion=motion)
 
     @abstractmethod
-    def running_clamped_links(
+    def tangents_under_dead_loads(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> StressedLinks:
-        """Running links without the shaft's inertia; see :meth:`running_links`."""
+    ) -> Sequence[FloatArray]:
+        """Tangent stiffness of displaced links under the inertia of the rigid motion as dead load.
 
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            Elastic displacement of each link in its frame.
+
+        Returns
+        -------
+        sequence of ndarray, shape (n_link, n_link) or (B, n_link, n_link)
+        """
+
+    @abstractmethod
     def damping_stiffness(
-        self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
     ) -> Sequence[FloatArray] | None:
         """Derivative of the links' damping forces by their displacement at given rates.
 
         Parameters
         ----------
+        motion : RigidMotion
+            Batch of shape (B,).
         displacement, rate : sequence of ndarray, shape (B, n_link)
             Of each link in its frame, and its time derivative.
 
         Returns
         -------
         sequence of ndarray, shape (B, n_link, n_link), or None
-            None where no link is damped, or an engine does not provide it.
+            None where no link is damped.
         """
-        del displacement, rate
-        return None
 
     def connected_matrices(
         self,

@@ -416,6 +416,9 @@ class StressedLinks:
     damping : list of ndarray, shape (B, n, n), or None
         Damping matrix in the state; None for that of the straight links. A bowed link that
         bends further is not stretched along its axis, and must not be damped as if it were.
+    damping_stiffness : list of ndarray, shape (B, n, n), or None
+        Derivative of the damping forces by the displacement, not symmetric; None where no link is
+        damped, and for a state at rest.
     loads : list of ndarray, shape (B, n), or None
         Forces on the links in the state; None where there are none, or an engine does not
         provide them.
@@ -431,6 +434,7 @@ class StressedLinks:
     displacement: list[FloatArray] | None = None
     internal_force: list[FloatArray] | None = None
     damping: Sequence[FloatArray] | None = None
+    damping_stiffness: Sequence[FloatArray] | None = None
     loads: list[FloatArray] | None = None
     guide_stiffness: FloatArray | None = None
     unstressed: bool = False
@@ -452,7 +456,7 @@ class StressedLinks:
         if self.unstressed:
             return replace(self, motion=motion)
 
-        def chosen(values: list[FloatArray] | None) -> list[FloatArray] | None:
+        def chosen(values: Sequence[FloatArray] | None) -> list[FloatArray] | None:
             return None if values is None else [v[which] for v in values]
 
         return replace(
@@ -461,6 +465,7 @@ class StressedLinks:
             displacement=chosen(self.displacement),
             internal_force=chosen(self.internal_force),
             damping=self.damping and [d[which] for d in self.damping],
+            damping_stiffness=chosen(self.damping_stiffness),
             loads=chosen(self.loads),
             guide_stiffness=None if self.guide_stiffness is None else self.guide_stiffness[which],
             motion=motion,

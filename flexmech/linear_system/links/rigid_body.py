@@ -269,6 +269,37 @@ class RigidBody:
         by_q[:, 2, 2] = -np.sum(arm * point_inertia, axis=1)
         return force, by_q
 
+    def rotation_stiffness(
+        self,
+        motion: RigidMotion,
+        link: int,
+        gravity: tuple[float, float],
+        moved: FloatArray,
+        rate: FloatArray,
+        acceleration: FloatArray,
+    ) -> FloatArray:
+        """Geometric stiffness against its rotation by its inertia and weight, (B,) in N m/rad.
+
+        A rotation by ``dphi`` moves the centre of mass by ``-R(phi) s dphi^2 / 2m`` to second
+        order, against its net acceleration.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        link : int
+            Number of the link.
+        gravity : tuple of float
+            In ground axes, m/s^2.
+        moved, rate, acceleration : ndarray, shape (B, 3)
+            As of :meth:`inertia`.
+        """
+        speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
+        net = self.net_acceleration(motion, link, gravity)
+        by_q = self.inertia(speed, change, net, moved, rate, acceleration)[1]
+        spin = speed + rate[:, 2]
+        return np.asarray(by_q[:, 2, 2] + self.translational_inertia * spin**2)
+
     def nonlinear_inertia(
         self,
         motion: RigidMotion,

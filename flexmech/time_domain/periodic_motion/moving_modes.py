@@ -10,7 +10,9 @@ frames gives::
     Q = P' (K - omega^2 M_t) P - P.' M P. + P' omega S P. + (P' omega S P.)'  (symmetric)
 
 and with the momentum ``p = y. + B y`` the equations of motion are those of the Hamilton function
-``H = |p - B y|^2 / 2 + y' Q y / 2`` and of the damping forces ``-P' D (P y. + P. y)``.
+``H = |p - B y|^2 / 2 + y' Q y / 2`` and of the damping forces ``-P' D (P y. + P. y)``. About a
+periodic motion these forces change with the displacement as well, ``-P' D_q P y`` with the
+derivative ``D_q`` of ``D(q) q.`` by q at the rate of that motion.
 
 Connectors move by ``d = E(t) W(t) y`` with the basis W in the linkage's coordinates. Their
 stiffness ``E' K E`` is in Q by its symmetric part; the skew part and the dampers, which have no
@@ -259,6 +261,8 @@ def _projected(
         forces = across @ turn.damping[number]
         damping += forces @ shapes
         moving_damping += forces @ rates
+        if turn.damping_stiffness:
+            moving_damping += across @ (turn.damping_stiffness[number] @ shapes)
     if turn.connected is not None:
         stiffness += np.swapaxes(basis, 1, 2) @ (turn.connected.potential @ basis)
     # What round-off and the missing harmonics leave of the other part would not be Hamiltonian.

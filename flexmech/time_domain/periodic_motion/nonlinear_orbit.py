@@ -19,10 +19,11 @@ from numpy.typing import ArrayLike
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries, differentiation_matrices
 from flexmech.errors import CRANK_SPEED, ComputationError
-from flexmech.linear_system import Engine, LinkFrames
-from flexmech.linkages import ConstantSpeed, Linkage
+from flexmech.linear_system import Engine, LinkFrames, StressedLinks
+from flexmech.linkages import ConstantSpeed, Linkage, RigidMotion
 from flexmech.threads import one_thread
-from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations
+from flexmech.time_domain.equations_of_motion.driven_connectors import LinkMotion
+from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, RunningForces
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
 from flexmech.time_domain.periodic_motion.shooting import CRITICAL
 from flexmech.time_domain.recorded_runs.states import LinkState
@@ -99,20 +100,42 @@ class NonlinearOrbit:
         tuple of list of ndarray, shape (A, n_link)
             The derivative is that in the link's frame.
         """
+        moving = self._moving(crank_angle)[1]
+        return [q for q, _, _ in moving], [v for _, v, _ in moving]
+
+    def stressed_links(self, engine: Engine, crank_angle: ArrayLike) -> StressedLinks:
+        """Links about this motion, whose small vibrations are asked for.
+
+        Parameters
+        ----------
+        engine : Engine
+            With the same links' coordinates; with its damping, and its shaft free or prescribed.
+        crank_angle : array_like, shape (A,)
+            In rad.
+
+        Returns
+        -------
+        StressedLinks
+            Batch of A positions.
+        """
+        motion, moving = self._moving(crank_angle)
+        return RunningForces(engine, motion).stressed(moving)
+
+    def _moving(self, crank_angle: ArrayLike) -> tuple[RigidMotion, LinkMotion]:
+        """Rigid motion at crank angles (A,); displacement and its two rates of each link."""
         angle = np.asarray(crank_angle, dtype=float)
         motion = self.linkage.motion(angle, np.full(len(angle), self.crank_speed))
-        first, _ = differentiation_matrices(len(self.independent), self.crank_speed)
+        first, second = differentiation_matrices(len(self.independent), self.crank_speed)
 
-        def with_rate(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
-            return _at_angles(samples, angle), _at_angles(first @ samples, angle)
+        def with_rates(samples: FloatArray) -> list[FloatArray]:
+            return [_at_angles(s, angle) for s in (samples, first @ samples, second @ samples)]
 
-        z, rate = with_rate(self.independent)
-        moving = self.frames.link_motion(motion, z, rate, np.zeros_like(z))
-        beyond = map(with_rate, self.beyond_linear)
-        pairs = [
-            (q + more, v + faster) for (q, v, _), (more, faster) in zip(moving, beyond, strict=True)
+        linear = self.frames.link_motion(motion, *with_rates(self.independent))
+        beyond = [with_rates(samples) for samples in self.beyond_linear]
+        return motion, [
+            (q + more, v + faster, a + change)
+            for (q, v, a), (more, faster, change) in zip(linear, beyond, strict=True)
         ]
-        return [q for q, _ in pairs], [v for _, v in pairs]
 
     def state(self, crank_angle: float) -> LinkState:
         """State of the links at a crank angle in rad."""

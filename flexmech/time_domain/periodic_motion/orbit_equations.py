@@ -44,6 +44,7 @@ from flexmech.linear_system import (
     connected_matrices,
     with_rigid_links,
 )
+from flexmech.linear_system.links.chains import with_entries
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors, LinkMotion
@@ -69,6 +70,115 @@ class DisplacedFrames(LinkFrames):
         """Dependent rows of each link at the displaced rigid links and sliders."""
         del motion
         return self._rows
+
+
+class RunningForces:
+    """Forces on the displaced links of a running linkage, at any instants of its rigid motion.
+
+    Parameters
+    ----------
+    engine : Engine
+    motion : RigidMotion
+        Batch of shape (N,).
+
+    Attributes
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    """
+
+    def __init__(self, engine: Engine, motion: RigidMotion) -> None:
+        self._engine, self.motion = engine, motion
+        self.frames = LinkFrames(engine.topology, engine.links)
+        self._inertias = [LinkInertia.of(link, link, np.eye(link.size)) for link in engine.links]
+
+    def ties(self, z: FloatArray) -> DisplacedTies:
+        """Constraints at finite displacements of rigid links and sliders, by coordinates (N, n)."""
+        first = len(self.frames.rigid.independent_coordinates)
+        return self.frames.displaced_ties(self.motion, z[:, :first])
+
+    def stressed(self, moving: LinkMotion) -> StressedLinks:
+        """Links about a motion: stiffness of their stress and damping, of rigid ones as well.
+
+        Parameters
+        ----------
+        moving : list of tuple of ndarray, shape (N, n_link)
+            Displacement of each link in its frame and its first two time derivatives.
+
+        Returns
+        -------
+        StressedLinks
+            With the derivative of the damping forces by the displacement.
+        """
+        engine, displacement = self._engine, [q for q, _, _ in moving]
+        z = self.frames.independent(self.motion, [q[..., None] for q in displacement])[..., 0]
+        stressed, pushes = engine.running_links(self.motion, displacement), self.pushes(moving)
+        forces = self.out_of_balance(stressed, moving, pushes)
+        stressed = self.with_bodies(stressed, moving, self.ties(z), forces, pushes)
+        more = engine.damping_stiffness(self.motion, displacement, [rate for _, rate, _ in moving])
+        return replace(stressed, damping_stiffness=more)
+
+    def pushes(self, moving: LinkMotion) -> list[PointForce]:
+        """Forces of loads and springs on points of the displaced links."""
+        if not self._engine.connectors.any:
+            return []
+        displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
+        point_forces = self._engine.connectors.point_forces
+        return point_forces(self.motion, displacement, rate=rate, radial=True)
+
+    def out_of_balance(
+        self, stressed: StressedLinks, moving: LinkMotion, pushes: Sequence[PointForce]
+    ) -> list[FloatArray]:
+        """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
+        forces, motion, gravity = [], self.motion, self._engine.mechanism.gravity
+        assert stressed.internal_force is not None
+        damping = stressed.damping or [link.damping for link in self._engine.links]
+        for number, link in enumerate(self._engine.links):
+            elastic = moving[number]
+            link_motion = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
+            force = self._inertias[number].shape_forces(link_motion)
+            if not link.rigid:
+                force += stressed.internal_force[number]
+                force += times(damping[number], link_motion.rate)
+            for body in link.bodies:
+                moved = (x @ body.rows.T for x in elastic)
+                force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
+            forces.append(force)
+        for push in pushes:
+            place, q = push.point, moving[push.point.link][0]
+            forces[place.link] -= place.force(motion, push.force, push.torque, q, finite=True)
+        return forces
+
+    def with_bodies(
+        self,
+        stressed: StressedLinks,
+        moving: LinkMotion,
+        ties: DisplacedTies,
+        forces: Sequence[FloatArray],
+        pushes: Sequence[PointForce],
+    ) -> StressedLinks:
+        """Stressed links with the geometric stiffness of bodies and rigid links by all forces."""
+        by_rotation, tangent = {}, dict(enumerate(stressed.tangent))
+        gravity = self._engine.mechanism.gravity
+        for number, link in enumerate(self._engine.links):
+            for body in link.bodies:
+                moved = (x @ body.rows.T for x in moving[number])
+                stiffness = body.rotation_stiffness(self.motion, number, gravity, *moved)
+                if link.rigid:
+                    by_rotation[number] = stiffness
+                else:
+                    row = np.array([body.row])
+                    tangent[number] = with_entries(tangent[number], row, row, stiffness[:, None])
+        if not self.frames.rigid.are_finite:
+            return replace(stressed, tangent=list(tangent.values()))
+        for push in pushes:
+            if (number := push.point.link) in by_rotation:
+                turned = self.motion.angle[:, number] + ties.pose.displaced.turn[:, number]
+                along = np.sum(direction(turned) * push.force, axis=1)
+                by_rotation[number] = by_rotation[number] + push.point.x * along
+        geometric = ties.geometric_stiffness([-force for force in forces], by_rotation)
+        rigid = with_rigid_links(self.frames, tangent, geometric)
+        return replace(stressed, tangent=rigid.tangent, guide_stiffness=rigid.guide_stiffness)
 
 
 @dataclass(frozen=True)
@@ -160,18 +270,18 @@ class OrbitEquations:
         linkage, links = engine.mechanism.linkage, engine.links
         require_periodic_motion(engine)
         self.engine, self.samples, self.crank_speed = engine, samples, crank_speed
-        self.frames = LinkFrames(linkage.topology, links)
         self.motion: RigidMotion = linkage.motion(
             2 * np.pi / samples * np.arange(samples), np.full(samples, float(crank_speed))
         )
+        self._running = RunningForces(engine, self.motion)
+        self.frames = self._running.frames
         self.first, self.second = differentiation_matrices(samples, crank_speed)
         self._zero = [np.zeros((link.size, link.size)) for link in links]
         self.mass = self.frames.assemble(self.motion, self._zero, FROZEN, self._zero).mass
-        self._inertias = [LinkInertia.of(link, link, np.eye(link.size)) for link in links]
         loads = engine.connectors.with_inertia(links, self.motion)
         self.load = self.frames.gather(self.motion, loads)
         still = [np.zeros((samples, link.size)) for link in links]
-        frames = self._frames_at(self._ties(np.zeros((samples, self.frames.size))))
+        frames = self._frames_at(self._running.ties(np.zeros((samples, self.frames.size))))
         straight = self._stiffness(
             frames, [link.stiffness for link in links], self._connected(still, frames)
         )
@@ -214,7 +324,7 @@ class OrbitEquations:
         """
         velocity, acceleration = self.first @ z, self.second @ z
         moving = self.frames.link_motion(self.motion, z, velocity, acceleration)
-        ties, beyond = self._ties(z), [np.zeros_like(q) for q, _, _ in moving]
+        ties, beyond = self._running.ties(z), [np.zeros_like(q) for q, _, _ in moving]
         for more, (q, rate, change), of_link in zip(beyond, moving, ties.rows, strict=True):
             for tie in of_link:
                 if tie.place is not None:
@@ -224,21 +334,15 @@ class OrbitEquations:
             change += self.second @ more
         displacement, frames = [q for q, _, _ in moving], self._frames_at(ties)
         stressed = self.engine.running_links(self.motion, displacement)
-        pushes, connected = self._pushes(moving), self._connected(displacement, frames)
-        forces = self._forces(stressed, moving, pushes)
+        pushes, connected = self._running.pushes(moving), self._connected(displacement, frames)
+        forces = self._running.out_of_balance(stressed, moving, pushes)
         residual = times(self.mass, damping_rate * velocity) + frames.gather(self.motion, forces)
-        if self.frames.rigid.are_finite:
-            stressed = self._with_rigid_links(stressed, ties, forces, pushes)
+        stressed = self._running.with_bodies(stressed, moving, ties, forces, pushes)
         rates = [rate for _, rate, _ in moving]
         error = self.error(residual)
         return OrbitState(
             z, displacement, rates, beyond, frames, stressed, connected, residual, error
         )
-
-    def _ties(self, z: FloatArray) -> DisplacedTies:
-        """Constraints at finite displacements of rigid links and sliders."""
-        first = len(self.frames.rigid.independent_coordinates)
-        return self.frames.displaced_ties(self.motion, z[:, :first])
 
     def _frames_at(self, ties: DisplacedTies) -> LinkFrames:
         """Link frames with dependent rows of displaced links, whose rates are those of the turn."""
@@ -265,9 +369,8 @@ class OrbitEquations:
     def linearized(self, state: OrbitState, damping_rate: float = 0.0) -> SystemMatrices:
         """Matrices of small changes of the motion; each (N, n, n).
 
-        What the elastic motion of bodies' arms would add is left out: Newton's method takes a pass
-        more without it, and finds the same. The change of the damping matrix counts near a
-        critical speed, where little else holds the motion.
+        The change of the damping matrix counts near a critical speed, where little else holds the
+        motion.
         """
         stressed, connected = self._with_changing_damping(state), state.connected
         links = state.frames.assemble(
@@ -286,7 +389,7 @@ class OrbitEquations:
 
     def _with_changing_damping(self, state: OrbitState) -> StressedLinks:
         """Stressed links whose tangents have the change of the damping forces."""
-        more = self.engine.damping_stiffness(state.displacement, state.rate)
+        more = self.engine.damping_stiffness(self.motion, state.displacement, state.rate)
         if more is None:
             return state.stressed
         pairs = zip(state.stressed.tangent, more, strict=True)
@@ -312,61 +415,6 @@ class OrbitEquations:
         return connected_matrices(
             tangents, moved, shape, is_conservative=connectors.is_conservative
         )
-
-    def _pushes(self, moving: LinkMotion) -> list[PointForce]:
-        """Forces of loads and springs on points of the displaced links."""
-        if not self.engine.connectors.any:
-            return []
-        displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
-        point_forces = self.engine.connectors.point_forces
-        return point_forces(self.motion, displacement, rate=rate, radial=True)
-
-    def _forces(
-        self, stressed: StressedLinks, moving: LinkMotion, pushes: Sequence[PointForce]
-    ) -> list[FloatArray]:
-        """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
-        forces, motion, gravity = [], self.motion, self.engine.mechanism.gravity
-        assert stressed.internal_force is not None
-        damping = stressed.damping or [link.damping for link in self.engine.links]
-        for number, link in enumerate(self.engine.links):
-            elastic = moving[number]
-            link_motion = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
-            force = self._inertias[number].shape_forces(link_motion)
-            if not link.rigid:
-                force += stressed.internal_force[number]
-                force += times(damping[number], link_motion.rate)
-            for body in link.bodies:
-                moved = (x @ body.rows.T for x in elastic)
-                force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
-            forces.append(force)
-        for push in pushes:
-            place, q = push.point, moving[push.point.link][0]
-            forces[place.link] -= place.force(motion, push.force, push.torque, q, finite=True)
-        return forces
-
-    def _with_rigid_links(
-        self,
-        stressed: StressedLinks,
-        ties: DisplacedTies,
-        forces: Sequence[FloatArray],
-        pushes: Sequence[PointForce],
-    ) -> StressedLinks:
-        """Stressed links with the geometric stiffness of rigid ones by all forces on them."""
-        by_rotation = {}
-        for number in self.frames.rigid.links:
-            body = self.engine.links[number].bodies[0]
-            virial, _ = body.dead_moment(self.motion, number, self.engine.mechanism.gravity)
-            square = self.motion.angular_velocity[:, number] ** 2
-            by_rotation[number] = virial - square * body.central_inertia
-        for push in pushes:
-            if (link := push.point.link) in by_rotation:
-                turned = self.motion.angle[:, link] + ties.pose.displaced.turn[:, link]
-                along = np.sum(direction(turned) * push.force, axis=1)
-                by_rotation[link] = by_rotation[link] + push.point.x * along
-        geometric = ties.geometric_stiffness([-force for force in forces], by_rotation)
-        tangent = {n: matrix for n, matrix in enumerate(stressed.tangent) if n not in by_rotation}
-        rigid = with_rigid_links(self.frames, tangent, geometric)
-        return replace(stressed, tangent=rigid.tangent, guide_stiffness=rigid.guide_stiffness)
 
     def _norm(self, force: FloatArray) -> float:
         return float(np.linalg.norm(times(self._half, force)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -53,6 +54,8 @@ class SampledTurn:
     unreduced : tuple of LinkModel
     tangent, damping : list of ndarray, shape (n_link, n_link) or (N, n_link, n_link)
         Of each reduced link.
+    damping_stiffness : list of ndarray, shape (N, n_link, n_link)
+        Derivative of the damping forces of each by its displacement; empty about a state at rest.
     frames : LinkFrames
         Of the reduced links.
     crank_speed : float
@@ -75,6 +78,7 @@ class SampledTurn:
     unreduced: tuple[LinkModel, ...]
     tangent: list[FloatArray]
     damping: list[FloatArray]
+    damping_stiffness: list[FloatArray]
     frames: LinkFrames
     crank_speed: float
     rigid_modes: int
@@ -130,8 +134,11 @@ class SampledTurn:
         )
         models, bases = tuple(x.reduced for x in links), tuple(x.basis for x in links)
         frames = LinkFrames(engine.topology, models)
-        pairs = list(zip(bases, engine.links, strict=True))
         damping = stressed.damping or [link.damping for link in engine.links]
+
+        def reduced(matrices: Sequence[FloatArray]) -> list[FloatArray]:
+            return [b.T @ matrix @ b for b, matrix in zip(bases, matrices, strict=True)]
+
         displaced = engine.frames.displaced(motion, stressed.displacement)
         connected = engine.connected_matrices(frames, displaced, prestress, stressed.displacement)
         if stressed.guide_stiffness is not None and stressed.guide_stiffness.any():
@@ -147,11 +154,11 @@ class SampledTurn:
             models=models,
             bases=bases,
             unreduced=engine.links,
-            tangent=[
-                basis.T @ tangent @ basis
-                for (basis, _), tangent in zip(pairs, stressed.tangent, strict=True)
-            ],
-            damping=[basis.T @ d @ basis for (basis, _), d in zip(pairs, damping, strict=True)],
+            tangent=reduced(stressed.tangent),
+            damping=reduced(damping),
+            damping_stiffness=reduced(stressed.damping_stiffness)
+            if stressed.damping_stiffness
+            else [],
             frames=frames,
             crank_speed=speed,
             rigid_modes=engine.rigid_modes,
