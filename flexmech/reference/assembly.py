@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse
-from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgbsv, dpbtrf, dpbtrs
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
@@ -241,7 +242,7 @@ class LinkageAssembly:
         rigid: FloatArray | None,
         joined: Iterable[FloatArray],
     ) -> FloatArray:
-        """Tangent in band form; see :func:`factorize_band`.
+        """Tangent in band form; see :func:`solve_band`.
 
         Parameters
         ----------
@@ -289,7 +290,7 @@ class LinkageAssembly:
     def _shapes(self) -> dict[int, tuple[int, int, int]]:
         """Shape ``(e, r, r)`` of the entries of each link by relative coordinates."""
         size = 2 * (self._per_node - 1)
-        return {n: (own.elements.length.shape[-1], size, size) for n, own in self.links.items()}
+        return {n: (len(own.elements.length), size, size) for n, own in self.links.items()}
 
     def _first_of_blocks(self) -> IntArray:
         """Row of the entries where each block begins, and their number."""
@@ -353,16 +354,11 @@ def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> Flo
 
     Returns
     -------
-    ndarray, shape (size, 1), or (size, D) of the links of several designs
+    ndarray, shape (size, 1)
     """
-    every = [link.length for link in frames.topology.links]
-    for number, own in links.items():
-        if own.length.ndim > 1:
-            every[number] = own.length.sum(axis=-1)
-    # The length of a rigid link is a number; a stack has none.
-    lengths = np.stack(np.broadcast_arrays(*map(np.atleast_1d, every)))
-    shortest, shapes = 1.0 / lengths.min(axis=0), next(iter(links.values())).shapes
-    scale = np.tile(shortest, (frames.size, 1))
+    lengths = [link.length for link in frames.topology.links]
+    shortest, shapes = 1.0 / min(lengths), next(iter(links.values())).shapes
+    scale = np.full((frames.size, 1), shortest)
     for link in frames.rigid.links:
         turn = frames.targets[link][2]
         scale[turn[turn >= 0]] = 1.0
@@ -496,56 +492,37 @@ class RadialSprings:
             yield stiffness * np.einsum("cib,cjb->ijb", moved, moved)
 
 
-def factorize_band(band: FloatArray) -> FloatArray:
-    """LDL^T factors of symmetric band matrices, in place.
+def solve_band(band: FloatArray, right: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Solutions of symmetric band systems, and which of these are positive definite.
 
     The stiffness of links joined in a chain has a narrow band once its coordinates are well
-    ordered. Elimination runs column by column, each step over the whole batch: the cost grows
-    linearly with the number of elements.
+    ordered: the cost grows linearly with the number of elements. By Cholesky's factors (LAPACK's
+    ``pbtrf``), and by LU where a matrix is not positive definite.
 
     Parameters
     ----------
     band : ndarray, shape (n, width + 1, B)
-        ``band[j, k]`` holds entry (j + k, j) of each matrix; overwritten.
-
-    Returns
-    -------
-    ndarray, shape (n, width + 1, B)
-        The pivots D in ``[:, 0]``, the columns of L below. A pivot that is not positive
-        says that the matrix is not positive definite.
-    """
-    size, columns, batch = band.shape
-    width = columns - 1
-    # Row k of the matrix to take off in a step begins k entries further down the column.
-    column = np.zeros((2 * width, batch))
-    shifted = sliding_window_view(column, width, axis=0)[:width].transpose(0, 2, 1)
-    for j in range(size - 1):
-        reach = min(width, size - 1 - j)
-        column[:reach], column[reach:width] = band[j, 1 : reach + 1], 0.0
-        band[j, 1 : reach + 1] /= band[j, 0]
-        band[j + 1 : j + 1 + reach, :width] -= band[j, 1 : reach + 1, None] * shifted[:reach]
-    return band
-
-
-def solve_band(factors: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve with the factors of :func:`factorize_band`.
-
-    Parameters
-    ----------
-    factors : ndarray, shape (n, width + 1, B)
+        ``band[j, k]`` holds entry (j + k, j) of each matrix.
     right : ndarray, shape (n, B)
 
     Returns
     -------
-    ndarray, shape (n, B)
+    solution : ndarray, shape (n, B)
+        Not numbers where the matrix is singular.
+    positive : ndarray of bool, shape (B,)
     """
-    size, columns = factors.shape[:2]
-    x = right.copy()
-    for j in range(size):
-        reach = min(columns - 1, size - 1 - j)
-        x[j + 1 : j + 1 + reach] -= factors[j, 1 : reach + 1] * x[j]
-    x /= factors[:, 0]
-    for j in range(size - 1, -1, -1):
-        reach = min(columns - 1, size - 1 - j)
-        x[j] -= (factors[j, 1 : reach + 1] * x[j + 1 : j + 1 + reach]).sum(axis=0)
-    return x
+    positive, solution = np.ones(band.shape[-1], dtype=bool), right.T.copy()
+    for number, lower in enumerate(np.ascontiguousarray(np.moveaxis(band, -1, 0))):
+        factors, failed = dpbtrf(lower.T, lower=1)
+        if not failed:
+            solution[number] = dpbtrs(factors, solution[number], lower=1)[0]
+            continue
+        positive[number] = False
+        size, width = len(lower), lower.shape[1] - 1
+        full = np.zeros((3 * width + 1, size))
+        full[2 * width :] = lower.T
+        for k in range(1, width + 1):
+            full[2 * width - k, k:] = lower[: size - k, k]
+        *_, found, singular = dgbsv(width, width, full, solution[number])
+        solution[number] = np.nan if singular else found
+    return solution.T, positive
