@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain, pairwise
 from typing import Any
 
@@ -229,7 +230,7 @@ class LinkageAssembly:
 
     def entries(self, batch: int) -> tuple[FloatArray, dict[int, FloatArray]]:
         """Array (R, B) for the entries of tangents, and views (e, r, r, B) for those of links."""
-        rows, views, first = np.empty((self._first_of_blocks()[-1], batch)), {}, 0
+        rows, views, first = np.empty((self._first_of_blocks[-1], batch)), {}, 0
         for link, shape in self._shapes.items():
             last = first + int(np.prod(shape))
             views[link], first = rows[first:last].reshape(*shape, batch), last
@@ -259,7 +260,7 @@ class LinkageAssembly:
         ndarray, shape (size, width + 1, B)
         """
         rows, views = entries
-        first = self._first_of_blocks()
+        first = self._first_of_blocks
         stiffness = np.zeros((self._rigid_count, self._rigid_count, 1))
         if rigid is not None:
             stiffness = np.moveaxis(rigid, 0, -1)
@@ -286,12 +287,13 @@ class LinkageAssembly:
         first = [int(rows.min()) for rows, _ in self.frames.dependencies(link)]
         return sorted({min(row // self._per_node, last) for row in first})
 
-    @property
+    @cached_property
     def _shapes(self) -> dict[int, tuple[int, int, int]]:
         """Shape ``(e, r, r)`` of the entries of each link by relative coordinates."""
         size = 2 * (self._per_node - 1)
         return {n: (len(own.elements.length), size, size) for n, own in self.links.items()}
 
+    @cached_property
     def _first_of_blocks(self) -> IntArray:
         """Row of the entries where each block begins, and their number."""
         inner = sum(int(np.prod(shape)) for shape in self._shapes.values())
@@ -313,7 +315,7 @@ class LinkageAssembly:
             target = self.frames.targets[link][self._rows(number)]
             parts.append(_pairs(target, source, np.outer(signs, signs).ravel()))
             first += count * relative**2
-        for columns, begin in zip(self._blocks, self._first_of_blocks(), strict=False):
+        for columns, begin in zip(self._blocks, self._first_of_blocks, strict=False):
             inside = np.arange(len(columns) ** 2)
             parts.append(_pairs(columns, begin + inside, np.ones(len(inside))))
         rows, columns, source, sign = (np.concatenate(x) for x in zip(*parts, strict=True))
@@ -324,7 +326,7 @@ class LinkageAssembly:
         below = place[rows] - place[columns]
         width, used = int(np.abs(below).max()), below >= 0
         slot = place[columns[used]] * (width + 1) + below[used]
-        shape = (size * (width + 1), int(self._first_of_blocks()[-1]))
+        shape = (size * (width + 1), int(self._first_of_blocks[-1]))
         scatter = scipy.sparse.csr_matrix((sign[used], (slot, source[used])), shape=shape)
         return np.asarray(order, dtype=np.intp), scatter
 
