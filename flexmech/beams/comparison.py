@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
 import scipy.linalg
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BEAM_SHAPES
-from flexmech.beams.link_matrices import build_chain, stack_chains
+from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS_A_LINK, MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
-    MOST_STACKED,
     RESTRAINED_ENDS,
     Connectors,
     LinkFrames,
     LinkModel,
     RotationTerms,
     TheoryComparison,
-    among_alike,
     component_modes,
     rigid_link,
 )
@@ -31,12 +29,12 @@ from flexmech.linkages import (
     LinkMass,
     RigidMotion,
     Topology,
-    connections,
     picture_crank_angle,
 )
 from flexmech.linkages.applied_forces import SpringLine
 from flexmech.materials import solid_stiffness
 from flexmech.mechanism import Mechanism
+from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection
 from flexmech.sections.solid_section import SLOPES, VALUES, Parabolas, rows_of_runs
 from flexmech.threads import one_thread
@@ -45,8 +43,8 @@ from flexmech.threads import one_thread
 ANGLES = np.radians(np.arange(0.0, 360.0, 60.0))
 # Of slender links these two are all that is compared.
 SIMPLEST = ("euler", "timoshenko")
-# Designs whose links are in memory at a time. Memory and speed alone.
-AT_ONCE = 32
+# Elements of a link from which on component modes are not faster. Speed alone.
+MOST_REDUCED = 16
 # Rows of elements over the thickness of a link.
 ROWS = 4
 # Strains z, yz and xz, which no load of the plane keeps from a narrow layer.
@@ -82,6 +80,7 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
         lambda theory: _frequencies(links, theory, counted)[:, :modes],
         mechanism.is_eccentric,
         compression,
+        lambda: _softening(links, modes, counted),
     )
 
 
@@ -162,16 +161,15 @@ class _Links:
         return bool(self.mechanism.springs or self.mechanism.joint_springs)
 
     @property
-    def likeness(self) -> Hashable | None:
-        """What several must have in common to be computed at once; None of one by itself."""
-        if self.springs or None in self.sections:
-            return None
-        if any(section is not None and section.is_eccentric for section in self.sections):
-            return None
-        if any(mass.bodies or not mass.mass_per_length for mass in self.masses):
-            return None
-        points = tuple(len(mass.point_masses) for mass in self.masses)
-        return connections(self.mechanism.linkage), points, len(self.motion.crank_angle)
+    def simple(self) -> bool:
+        """Whether all links bend about the pins' axis, with no springs and no bodies on them."""
+        return not self.springs and all(
+            section is not None
+            and not section.is_eccentric
+            and mass.mass_per_length > 0
+            and not mass.bodies
+            for section, mass in zip(self.sections, self.masses, strict=True)
+        )
 
 
 def _configurations(mechanism: Mechanism) -> RigidMotion:
@@ -198,80 +196,67 @@ def _at_rest(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
     return motion
 
 
-def prepare_comparisons(mechanisms: Sequence[Mechanism], modes: int = MODES) -> None:
-    """Find what :func:`compare_theories` needs first of many mechanisms, those alike at once.
-
-    Parameters
-    ----------
-    mechanisms : sequence of Mechanism
-    modes : int
-        As there.
-    """
-    _PREPARED.clear()
-    alike: dict[Hashable, list[_Links]] = {}
-    for mechanism in mechanisms:
-        links = _links_of(mechanism)
-        if (likeness := links.likeness) is not None:
-            alike.setdefault(likeness, []).append(links)
-    counted = max(modes, MODES)
-    if _elements(counted) > MOST_STACKED:
-        return
-    for own in alike.values():
-        for theory in SIMPLEST:
-
-            def frequencies(numbers: IntArray) -> Sequence[FloatArray]:
-                some = [own[number] for number in numbers]  # noqa: B023
-                return [*_of_stack(some, theory, counted)]  # noqa: B023
-
-            for first in range(0, len(own), AT_ONCE):
-                numbers = np.arange(first, min(first + AT_ONCE, len(own)))
-                for number, found in zip(numbers, among_alike(numbers, frequencies), strict=True):
-                    _PREPARED[own[number], theory, counted] = found
-
-
 def _elements(modes: int) -> int:
     """Elements of a link for so many modes."""
     return max(ELEMENTS_A_LINK, 2 * modes)
 
 
-# Frequencies that are found beforehand, until they are asked for.
-_PREPARED: dict[tuple[_Links, str, int], FloatArray] = {}
+@lru_cache(maxsize=64)
+def _reduced(links: _Links, theory: str, modes: int) -> tuple[FloatArray, list[FloatArray]]:
+    """Frequencies in Hz by component modes, right to 1e-5 or so, and shapes of unit mass.
 
-
-def _of_stack(designs: Sequence[_Links], theory: str, modes: int) -> FloatArray:
-    """Natural frequencies in Hz of D designs of one likeness by a simple theory, (D, A, modes).
-
-    Links are reduced to component modes, which are right to 1e-5 or so.
+    Shapes are by the coordinates of each link, (A, n_link, modes).
     """
-    names = designs[0].topology.link_names
-    shapes, elements = BEAM_SHAPES[theory], _elements(modes)
-    models = []
-    for number, name in enumerate(names):
-        sections = [links.sections[number] for links in designs]
-        masses = [links.masses[number] for links in designs]
-        own = [section for section in sections if section is not None]
-        models.append(stack_chains(name, own, masses, elements, shapes).model)
-    reduction = component_modes(
-        designs[0].topology, models, modes, np.zeros(len(designs)), couples_axially=False
-    )
-    motion = RigidMotion.of_designs([links.motion for links in designs])
+    models = [_beam(links, number, theory, modes) for number in range(len(links.sections))]
+    reduction = component_modes(links.topology, models, modes, 0.0, couples_axially=False)
     still = RotationTerms.all_or_none(False)
-    stiffness = [link.stiffness for link in reduction.models]
-    system = reduction.frames.assemble(motion, stiffness, still)
+    frames, stiffness = reduction.frames, [link.stiffness for link in reduction.models]
+    system = frames.assemble(links.motion, stiffness, still)
     with one_thread():
         lower = np.linalg.inv(np.linalg.cholesky(system.mass))
-        squares = np.linalg.eigvalsh(lower @ system.stiffness @ np.swapaxes(lower, 1, 2))
-    found = np.sqrt(np.abs(squares[:, :modes])) / (2 * np.pi)
-    return np.asarray(found.reshape(len(designs), -1, found.shape[1]))
+        across = np.swapaxes(lower, 1, 2)
+        squares, vectors = np.linalg.eigh(lower @ system.stiffness @ across)
+    ends = frames.link_coordinates(links.motion, across @ vectors[..., :modes])
+    shapes = [link.basis @ own for link, own in zip(reduction.links, ends, strict=True)]
+    return np.asarray(np.sqrt(np.abs(squares[:, :modes])) / (2 * np.pi)), shapes
+
+
+def _softening(links: _Links, modes: int, counted: int) -> float:
+    """Relative change of frequencies by shear and rotary inertia, to first order (Timoshenko 1921).
+
+    Half the energies of the shear force ``V = EI v'''`` and of the rotation that Euler-Bernoulli
+    beams have none of, over that of the mode. It is the greatest of the lowest modes; infinite
+    where links are not simple.
+    """
+    if not _is_reduced(links, counted):
+        return np.inf
+    frequency, shapes = _reduced(links, "euler", counted)
+    square, change = (2 * np.pi * frequency[:, :modes]) ** 2, np.zeros(())
+    for section, mass, shape in zip(links.sections, links.masses, shapes, strict=True):
+        assert section is not None
+        nodes = node_positions(mass.length, _elements(counted), mass.point_positions)
+        length = np.diff(nodes)[:, None]
+        across, turn = (
+            shape.reshape(len(shape), len(nodes), 3, -1)[:, :, n, :modes] for n in (1, 2)
+        )
+        chord = (across[:, 1:] - across[:, :-1]) / length
+        force = 6 * section.bending_stiffness * (turn[:, 1:] + turn[:, :-1] - 2 * chord) / length**2
+        rotation = (turn[:, 1:] ** 2 + turn[:, :-1] ** 2) / 2
+        change = change + (length * force**2).sum(axis=1) / section.shear_stiffness / square
+        change = change + mass.rotary_inertia * (length * rotation).sum(axis=1)
+    return float(change.max()) / 2
+
+
+def _is_reduced(links: _Links, modes: int) -> bool:
+    """Whether the simplest theories are compared by component modes."""
+    return links.simple and _elements(modes) <= MOST_REDUCED
 
 
 @lru_cache(maxsize=1024)
 def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
     """Natural frequencies in Hz of the lowest modes that there are, (A, modes)."""
-    if (prepared := _PREPARED.pop((links, theory, modes), None)) is not None:
-        return prepared
-    if theory in SIMPLEST and links.likeness is not None and _elements(modes) <= MOST_STACKED:
-        return np.asarray(_of_stack([links], theory, modes)[0])
+    if theory in SIMPLEST and _is_reduced(links, modes):
+        return _reduced(links, theory, modes)[0]
     chains = [_beam(links, number, theory, modes) for number in range(len(links.sections))]
     motion, still = links.motion, RotationTerms.all_or_none(False)
     frames = LinkFrames(links.topology, chains)
@@ -289,9 +274,11 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
 def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
     """One link of beam elements, or a rigid one."""
     name = links.topology.link_names[number]
-    section, mass = links.sections[number], links.masses[number]
-    if section is None:
+    mass = links.masses[number]
+    if links.sections[number] is None:
         return rigid_link(name, mass)
+    # As it is in the mechanism: an engine's link may be the same one.
+    section = links.mechanism.sections[name]
     elements = _elements(modes)
     if theory == RESTRAINED_ENDS:
         own, ends = restrained_beam(links.mechanism, name)

@@ -22,7 +22,7 @@ from flexmech.beams.theories import (
     Timoshenko,
     ZigzagBeam,
 )
-from flexmech.sections import BeamSection, SectionStack
+from flexmech.sections import BeamSection
 
 # Which of a node's coordinates is the rotation of the section, in all theories.
 ROTATION = 2
@@ -35,10 +35,8 @@ class BeamElements:
     Parameters
     ----------
     shapes : BeamShapes
-    section : BeamSection or SectionStack
-        Of one design, or of D with the numbers that ``shapes`` needs: all matrices then have the
-        leading dimension D.
-    length : ndarray, shape (e,) or (D, e)
+    section : BeamSection
+    length : ndarray, shape (e,)
         In m.
     kinked : ndarray of bool, shape (e,), optional
         Elements at whose start a couple acts, so that the curvature jumps there. That of the node
@@ -56,11 +54,11 @@ class BeamElements:
         own, size = self.shapes.curvature, self.shapes.per_node
         if own is None or self.kinked is None or not self.kinked.any():
             return None
-        maps = np.tile(np.eye(2 * size), (*self.length.shape, 1, 1))
-        h, (first, second) = self.length[..., self.kinked], (ROTATION, size + ROTATION)
-        rows = np.zeros((*h.shape, 2 * size))
-        rows[..., first], rows[..., second], rows[..., size + own] = -2 / h, 2 / h, -1.0
-        maps[..., self.kinked, own, :] = rows
+        maps = np.tile(np.eye(2 * size), (len(self.length), 1, 1))
+        h, (first, second) = self.length[self.kinked], (ROTATION, size + ROTATION)
+        rows = np.zeros((len(h), 2 * size))
+        rows[:, first], rows[:, second], rows[:, size + own] = -2 / h, 2 / h, -1.0
+        maps[self.kinked, own, :] = rows
         return maps
 
     @cached_property
@@ -91,8 +89,8 @@ class BeamElements:
         angles = stiffness.shape[-1] // 2 - 1
         # Without a coordinate of its own, warping is a part of bending.
         warping = 2 if self.shapes.warping else 1
-        of_strain = times[..., [0, 1, *[warping] * angles, *[3] * angles]]
-        return self._from_strains(of_strain[..., None] * stiffness)
+        of_strain = times[[0, 1, *[warping] * angles, *[3] * angles]]
+        return self._from_strains(of_strain[:, None] * stiffness)
 
     @cached_property
     def mass(self) -> FloatArray:
@@ -109,25 +107,25 @@ class BeamElements:
         A section that turns about its centre keeps its centrifugal potential: rotary inertia
         is not in it, the coupling of displacement and rotation by the first moment is.
         """
-        if not self._inertia[..., 1:, 1:].any():
+        if not self._inertia[1:, 1:].any():
             return self.mass
         displaced = self._inertia.copy()
-        displaced[..., 1:, 1:] = 0.0
+        displaced[1:, 1:] = 0.0
         return self._moved(displaced)
 
     @cached_property
     def gyroscopic(self) -> FloatArray:
         """``S``, the integral of ``rho A N^T J N``; K, eq. 1.54 with ``m_vel = omega S``."""
-        momentum = np.einsum("...a,a...egi->...egi", self._inertia[..., 0, :], self._along)
+        momentum = np.einsum("a,aegi->egi", self._inertia[0], self._along)
         across = self._weights[..., None] * self._inside.deflection
         product = np.swapaxes(across, -1, -2) @ momentum
         return np.asarray(product - np.swapaxes(product, -1, -2))
 
     @cached_property
     def first_moment(self) -> FloatArray:
-        """Integral of ``rho y N`` along and across, (..., 2, e, 2 p)."""
-        moment = self.section.first_moment_of_mass * self._weights[..., None, :, :, None]
-        fields = np.stack([self._along[0], self._inside.deflection], axis=-4)
+        """Integral of ``rho y N`` along and across, (2, e, 2 p)."""
+        moment = self.section.first_moment_of_mass * self._weights[..., None]
+        fields = np.stack([self._along[0], self._inside.deflection])
         return np.asarray((moment * fields).sum(axis=-2))
 
     def geometric_stiffness(self, tension: FloatArray) -> FloatArray:
@@ -140,24 +138,22 @@ class BeamElements:
         Parameters
         ----------
         tension : ndarray, shape (..., e, 3)
-            Legendre coefficients in N: mean, linear and quadratic part. Of elements of several
-            designs (B, e, 3), as many positions of each, one after the other.
+            Legendre coefficients in N: mean, linear and quadratic part.
 
         Returns
         -------
         ndarray, shape (..., e, 2 p, 2 p)
         """
         unit = self._unit_geometric
-        *designs, count, _, size, _ = unit.shape
-        each = tension.reshape(*designs, -1, count, 3)
-        matrices = np.swapaxes(each, -3, -2) @ unit.reshape(*designs, count, 3, size**2)
-        every = np.swapaxes(matrices, -3, -2)
-        return np.asarray(every.reshape(*tension.shape[:-1], size, size), dtype=float)
+        count, _, size, _ = unit.shape
+        by_element = np.swapaxes(tension.reshape(-1, count, 3), 0, 1)
+        matrices = np.swapaxes(by_element @ unit.reshape(count, 3, size**2), 0, 1)
+        return np.asarray(matrices.reshape(*tension.shape[:-1], size, size), dtype=float)
 
     @cached_property
     def arch(self) -> FloatArray:
         """Mean of the squared slope over each element, (e, 2 p, 2 p): half is an axial strain."""
-        return np.asarray(self._integral(self._squared_slope) / self.length[..., None, None])
+        return np.asarray(self._integral(self._squared_slope) / self.length[:, None, None])
 
     def displacement_shapes(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
         """Displacement of the pins' axis inside elements by their own coordinates.
@@ -200,10 +196,8 @@ class BeamElements:
     def _inside(self) -> BeamFields:
         """Fields at the g points of integration, each (e, g, 2 p), by the neutral axis's nodes."""
         places = self._quadrature[0]
-        lengths, section = np.repeat(self.length, places.shape[-1]), self.section
-        if isinstance(section, SectionStack):
-            section = section.repeated(int(np.prod(places.shape[1:])))
-        fields = self.shapes.fields(places.ravel(), lengths, section)
+        lengths = np.repeat(self.length, places.shape[1])
+        fields = self.shapes.fields(places.ravel(), lengths, self.section)
         shape = (*places.shape, -1)
         every = (v.reshape((*v.shape[:-2], *shape)) for v in vars(fields).values())
         maps = self.element_maps
@@ -243,22 +237,21 @@ class BeamElements:
         return self._quadrature[1]
 
     def _moved(self, inertia: FloatArray) -> FloatArray:
-        """Mass matrix of the motion along by ``inertia`` (..., 3, 3) and of the deflection."""
+        """Mass matrix of the motion along by ``inertia`` (3, 3) and of the deflection."""
         across = self._inside.deflection[None]
-        return self._quadratic(self._along, inertia) + self._quadratic(across, inertia[..., :1, :1])
+        return self._quadratic(self._along, inertia) + self._quadratic(across, inertia[:1, :1])
 
     def _quadratic(self, fields: FloatArray, weight: FloatArray) -> FloatArray:
-        """Integral of ``fields^T weight fields``: (a, ..., e, g, 2 p), (..., a, a)."""
-        total = np.zeros((*self.length.shape, *2 * fields.shape[-1:]))
-        counts = weight.reshape(-1, *weight.shape[-2:]).any(axis=0)
-        for a, b in zip(*np.nonzero(counts), strict=True):
-            left = (weight[..., a, b, None, None] * self._weights)[..., None] * fields[a]
+        """Integral of ``fields^T weight fields``: (a, e, g, 2 p), (a, a)."""
+        total = np.zeros((len(self.length), *2 * fields.shape[-1:]))
+        for a, b in zip(*np.nonzero(weight), strict=True):
+            left = (weight[a, b] * self._weights)[..., None] * fields[a]
             total += np.swapaxes(left, -1, -2) @ fields[b]
         return total
 
     def _integral(self, values: FloatArray) -> FloatArray:
-        """Integral over each element of values (..., e, g, 2 p, 2 p) at its points."""
-        return np.asarray(np.einsum("...eg,...egij->...eij", self._weights, values))
+        """Integral over each element of values (e, g, 2 p, 2 p) at its points."""
+        return np.asarray(np.einsum("eg,egij->eij", self._weights, values))
 
     def _from_strains(self, stiffness: FloatArray) -> FloatArray:
         f = self._inside
@@ -277,14 +270,14 @@ class BeamElements:
         t = 2 * self._quadrature[0] - 1
         polynomials = np.stack([np.ones_like(t), t, (3 * t**2 - 1) / 2])
         square = self._squared_slope
-        return np.stack([self._integral(p[..., None, None] * square) for p in polynomials], axis=-3)
+        return np.stack([self._integral(p[..., None, None] * square) for p in polynomials], axis=1)
 
     @cached_property
     def _squared_slope(self) -> FloatArray:
         """Integrand of the geometric stiffness: squared slope less the part of the shear angle."""
         square = _product(self._inside.slope)
-        softening = np.asarray(self.shapes.softening(self.section))[..., None, None, None, None]
-        return square - softening * _product(self._inside.shear) if softening.any() else square
+        softening = self.shapes.softening(self.section)
+        return square - softening * _product(self._inside.shear) if softening else square
 
 
 def _product(rows: FloatArray) -> FloatArray:

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.beams.elements import ROTATION, BeamElements
 from flexmech.beams.theories import BeamShapes
 from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, chain_matrix
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
-from flexmech.sections import BeamSection, SectionStack
+from flexmech.sections import BeamSection
+
+# Links whose matrices are kept. Speed alone: a comparison of theories has made an engine's links,
+# and designs of a study have links in common.
+KEPT_CHAINS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +51,7 @@ class Coupling:
 
 @dataclass(frozen=True)
 class Chain:
-    """One link of beam elements, or that of D designs with this leading dimension.
+    """One link of beam elements.
 
     Parameters
     ----------
@@ -56,7 +60,7 @@ class Chain:
     nodes : ndarray, shape (e + 1,)
         Node positions in m.
     elements : BeamElements
-    line_mass : float or ndarray, shape (D,)
+    line_mass : float
         Mass per length that is distributed along it, in kg/m.
     coupling : Coupling, optional
         What the link's matrices have besides those of the elements.
@@ -65,17 +69,18 @@ class Chain:
     model: LinkModel
     nodes: FloatArray
     elements: BeamElements
-    line_mass: FloatArray | float
+    line_mass: float
     coupling: Coupling | None = None
 
 
+@lru_cache(maxsize=KEPT_CHAINS)
 def build_chain(
     name: str,
     section: BeamSection,
     mass: LinkMass,
     elements: int,
     shapes: BeamShapes,
-    acting_at: Sequence[float] = (),
+    acting_at: tuple[float, ...] = (),
 ) -> Chain:
     """Build one link of beam elements.
 
@@ -88,7 +93,7 @@ def build_chain(
     elements : int
     shapes : BeamShapes
         Kind of element.
-    acting_at : sequence of float
+    acting_at : tuple of float
         Where loads and springs act, m from the start: a node is put there.
 
     Returns
@@ -99,7 +104,7 @@ def build_chain(
     nodes = node_positions(mass.length, elements, fixed)
     own = _section_of_elements(section, mass.length, shapes)
     beams = BeamElements(shapes, own, np.diff(nodes), _kinked(nodes, section, mass, acting_at))
-    model = _straight_link(name, nodes, beams, [mass]).carrying(mass)
+    model = _straight_link(name, nodes, beams, mass).carrying(mass)
     return Chain(model, nodes, beams, mass.mass_per_length)
 
 
@@ -108,54 +113,11 @@ def _section_of_elements(section: BeamSection, length: float, shapes: BeamShapes
     return section if shapes.stiff_in_shear else section.shearing_over(length)
 
 
-def stack_chains(
-    name: str,
-    sections: Sequence[BeamSection],
-    masses: Sequence[LinkMass],
-    elements: int,
-    shapes: BeamShapes,
-) -> Chain:
-    """Build one link of D designs, as :func:`build_chain` builds that of one.
-
-    Parameters
-    ----------
-    name : str
-    sections : sequence of BeamSection
-        Whose axes are that of the pins, without free strains.
-    masses : sequence of LinkMass
-        Distributed and as many point masses in every design; no bodies.
-    elements : int
-    shapes : BeamShapes
-        Kind of element, of Euler-Bernoulli's or Timoshenko's theory.
-
-    Returns
-    -------
-    Chain
-    """
-    own = tuple(
-        _section_of_elements(section, mass.length, shapes)
-        for section, mass in zip(sections, masses, strict=True)
-    )
-    nodes = np.stack([node_positions(m.length, elements, m.point_positions) for m in masses])
-    beams = BeamElements(shapes, cast("BeamSection", SectionStack.of(own)), np.diff(nodes))
-    model = _straight_link(name, nodes, beams, masses)
-    return Chain(model, nodes, beams, np.array([mass.mass_per_length for mass in masses]))
-
-
-def _straight_link(
-    name: str, nodes: FloatArray, beams: BeamElements, masses: Sequence[LinkMass]
-) -> LinkModel:
-    """Straight link of beam elements with point masses, without bodies.
-
-    Of one design with nodes (e + 1,), or of as many as there are masses with nodes (D, e + 1).
-    """
-
-    def by_design(values: Sequence[float]) -> FloatArray:
-        return np.reshape(values, nodes.shape[:-1])
-
+def _straight_link(name: str, nodes: FloatArray, beams: BeamElements, mass: LinkMass) -> LinkModel:
+    """Straight link of beam elements with nodes (e + 1,) and point masses, without bodies."""
     shapes = beams.shapes
     per_node = shapes.per_node
-    size = per_node * nodes.shape[-1]
+    size = per_node * len(nodes)
     matrices = np.stack(
         [
             beams.mass,
@@ -166,19 +128,14 @@ def _straight_link(
         ]
     )
     first_moment = sum_of_elements(beams.first_moment)
-    if not any(mass.mass_per_length for mass in masses):
+    if not mass.mass_per_length:
         # All of it is in points.
         matrices[:3], first_moment[:] = 0.0, 0.0
-    positions = zip(*(mass.point_positions for mass in masses), strict=True)
-    lumps = zip(*(mass.point_masses for mass in masses), strict=True)
-    for place, lump in zip(positions, lumps, strict=True):
-        node = np.abs(nodes - by_design(place)[..., None]).argmin(axis=-1)
-        _add_point_mass(matrices[:3], node, by_design(lump))
+    for place, lump in zip(mass.point_positions, mass.point_masses, strict=True):
+        _add_point_mass(matrices[:3], int(np.abs(nodes - place).argmin()), lump)
     inertia, centrifugal, gyroscopic, stiffness, damping = map(chain_matrix, matrices)
     last, clamped = size - per_node, np.array(shapes.clamped)
     warping = np.array(shapes.warping, dtype=np.intp)
-    rotary = by_design([mass.rotary_inertia for mass in masses])
-    uncounted = 0.0 if shapes.has_rotary_inertia else rotary
     return LinkModel(
         name=name,
         mass=inertia,
@@ -203,8 +160,8 @@ def _straight_link(
         fields=_rigid_fields(nodes, shapes),
         start_warping=warping,
         end_warping=last + warping,
-        vectors=per_node * np.arange(nodes.shape[-1]) + np.array([[0], [1]]),
-        uncounted_rotary_inertia=uncounted,
+        vectors=per_node * np.arange(len(nodes)) + np.array([[0], [1]]),
+        uncounted_rotary_inertia=0.0 if shapes.has_rotary_inertia else mass.rotary_inertia,
     )
 
 
@@ -222,24 +179,22 @@ def _kinked(
     return kinked[:-1]
 
 
-def _add_point_mass(matrices: FloatArray, node: IntArray, mass: FloatArray) -> None:
+def _add_point_mass(matrices: FloatArray, node: int, mass: float) -> None:
     """Add a point mass to the mass, the centrifugal mass and ``S`` of elements.
 
     Parameters
     ----------
-    matrices : ndarray, shape (3, e, 2 p, 2 p) or (3, D, e, 2 p, 2 p)
-    node, mass : ndarray, shape () or (D,)
+    matrices : ndarray, shape (3, e, 2 p, 2 p)
+    node : int
+    mass : float
     """
-    count, per_node = matrices.shape[-3], matrices.shape[-1] // 2
-    element = np.minimum(node, count - 1)
+    count, per_node = matrices.shape[1], matrices.shape[-1] // 2
+    element = min(node, count - 1)
     u = per_node * (node - element)
-    design = () if matrices.ndim == 4 else (np.arange(len(matrices[0])),)
-    inertia, centrifugal, gyroscopic = matrices
-    for matrix in (inertia, centrifugal):
-        for place in (u, u + 1):
-            matrix[(*design, element, place, place)] += mass
-    gyroscopic[(*design, element, u, u + 1)] -= mass
-    gyroscopic[(*design, element, u + 1, u)] += mass
+    for place in (u, u + 1):
+        matrices[:2, element, place, place] += mass
+    matrices[2, element, u, u + 1] -= mass
+    matrices[2, element, u + 1, u] += mass
 
 
 def sum_of_elements(vectors: FloatArray) -> FloatArray:
@@ -261,11 +216,11 @@ def sum_of_elements(vectors: FloatArray) -> FloatArray:
 
 
 def _rigid_fields(nodes: FloatArray, shapes: BeamShapes) -> RigidFields:
-    every = np.zeros((4, *nodes.shape, shapes.per_node))
+    every = np.zeros((4, len(nodes), shapes.per_node))
     along, across, centripetal, tangential = every
     along[..., 0] = 1.0
     across[..., 1] = 1.0
     centripetal[..., 0] = nodes
     tangential[..., 1] = nodes
     tangential[..., shapes.angles] = 1.0
-    return RigidFields(*every.reshape(4, *nodes.shape[:-1], -1))
+    return RigidFields(*every.reshape(4, -1))

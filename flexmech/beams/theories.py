@@ -192,8 +192,7 @@ class BeamShapes(ABC):
         ----------
         fraction, length : ndarray, shape (s,)
             Place in the element from 0 to 1, and the element's length in m.
-        section : BeamSection or SectionStack
-            Of designs that are repeated for their places.
+        section : BeamSection
 
         Returns
         -------
@@ -206,7 +205,7 @@ class BeamShapes(ABC):
 
         Parameters
         ----------
-        section : BeamSection or SectionStack
+        section : BeamSection
 
         Returns
         -------
@@ -220,7 +219,7 @@ class BeamShapes(ABC):
 
         Parameters
         ----------
-        section : BeamSection or SectionStack
+        section : BeamSection
 
         Returns
         -------
@@ -264,7 +263,7 @@ class BeamShapes(ABC):
         ----------
         length : ndarray, shape (..., e)
             Of the elements in m.
-        section : BeamSection or SectionStack
+        section : BeamSection
 
         Returns
         -------
@@ -276,16 +275,16 @@ class BeamShapes(ABC):
         places = np.broadcast_to((_POINTS + 1) / 2, (*length.shape, len(_POINTS)))
         return places, length[..., None] / 2 * _WEIGHTS
 
-    def softening(self, section: BeamSection) -> FloatArray | float:
+    def softening(self, section: BeamSection) -> float:
         """Coefficient of the squared shear angle in the work of the tension.
 
         Parameters
         ----------
-        section : BeamSection or SectionStack
+        section : BeamSection
 
         Returns
         -------
-        float or ndarray, shape (D,)
+        float
             Without unit.
         """
         return 0.0
@@ -388,7 +387,7 @@ class Timoshenko(BeamShapes):
         inertia[..., 1, 1] += section.rotary_inertia
         return inertia
 
-    def softening(self, section: BeamSection) -> FloatArray | float:
+    def softening(self, section: BeamSection) -> float:
         """See :class:`BeamShapes`.
 
         A stretch lambda under a shear angle gamma strains the section's normal by
@@ -608,7 +607,7 @@ class ZigzagBeam(Timoshenko):
         inertia[2:, 2:] = mass * zigzag.square
         return inertia
 
-    def softening(self, section: BeamSection) -> FloatArray | float:
+    def softening(self, section: BeamSection) -> float:
         """See :class:`BeamShapes`: none, the faces carry the tension along the axis."""
         return 0.0
 

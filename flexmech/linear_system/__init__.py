@@ -18,12 +18,6 @@ from flexmech.linear_system.assembly.engine_parameters import (
     check_elastic,
     checked_mechanism,
 )
-from flexmech.linear_system.assembly.engine_stack import (
-    MechanismStack,
-    likeness,
-    stack_batches,
-    stack_engines,
-)
 from flexmech.linear_system.assembly.prestress import (
     LAST_STEP,
     LOAD_STEPS,
@@ -56,12 +50,8 @@ from flexmech.linear_system.links.body_forces import (
     body_turns,
 )
 from flexmech.linear_system.links.chains import (
-    MOST_STACKED,
-    among_alike,
     chain_matrix,
     in_positions,
-    same_of_all,
-    times,
 )
 from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink, inertia_loads
 from flexmech.linear_system.links.link_model import (
@@ -104,7 +94,6 @@ __all__ = [
     "LESS_LOADED",
     "LOAD_STEPS",
     "MAX_ITERATIONS",
-    "MOST_STACKED",
     "NEGLIGIBLE",
     "PRESTRESS_LEVELS",
     "RESTRAINED_ENDS",
@@ -130,7 +119,6 @@ __all__ = [
     "LinkPoint",
     "LinkReadings",
     "LinkStretch",
-    "MechanismStack",
     "MovingLink",
     "OverdampedError",
     "PointForce",
@@ -149,7 +137,6 @@ __all__ = [
     "TooManyModesError",
     "acts_at_rest",
     "all_constant",
-    "among_alike",
     "body_nodes",
     "body_turns",
     "chain_matrix",
@@ -168,17 +155,12 @@ __all__ = [
     "inertia_loads",
     "is_constant_turn",
     "kinks_of",
-    "likeness",
     "point_rows",
     "refuse_large_displacements",
     "refuse_positions",
     "rigid_link",
-    "same_of_all",
-    "stack_batches",
-    "stack_engines",
     "straight_forces",
     "stressed_along_turn",
     "ties_beyond_pins",
-    "times",
     "with_rigid_links",
 ]

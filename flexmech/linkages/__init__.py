@@ -26,9 +26,7 @@ from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
 from flexmech.linkages.link_mass import LinkBody, LinkMass, lumped_elements
 from flexmech.linkages.linkage import (
     Linkage,
-    LinkageStack,
     assemblable,
-    connections,
     continuous_angles,
     refuse_passing,
 )
@@ -79,7 +77,6 @@ __all__ = [
     "LinkEnd",
     "LinkMass",
     "Linkage",
-    "LinkageStack",
     "Load",
     "LockedCrank",
     "Motor",
@@ -106,7 +103,6 @@ __all__ = [
     "assemblable",
     "carried_motion",
     "circuit_of",
-    "connections",
     "continuous_angles",
     "coupler_sextic",
     "double_points",

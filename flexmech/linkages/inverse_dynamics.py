@@ -66,8 +66,7 @@ class LinkForces:
         link : int
         x : float or ndarray, shape (k,)
             Distances from the link's start in m. A point mass, body or load exactly there
-            counts to the far side of the cut. Of links of several designs (B, k), those in
-            each position.
+            counts to the far side of the cut.
 
         Returns
         -------
@@ -218,7 +217,6 @@ def inverse_dynamics(
     joint_springs: Sequence[JointSpring] = (),
     time: ArrayLike = 0.0,
     continuous_angles: FloatArray | None = None,
-    longer: FloatArray | None = None,
 ) -> InverseDynamics:
     """Solve the rigid linkage's equations of motion for its joint forces.
 
@@ -240,9 +238,6 @@ def inverse_dynamics(
     continuous_angles : ndarray, shape (..., n_links), optional
         Angles of the links counted on as the linkage turns, for springs in joints; those of
         ``motion`` if left out. :func:`continuous_angles` gives them.
-    longer : ndarray, shape (B, n_links), optional
-        By how much each link is longer than the topology says, in m, where positions (B,) are of
-        several designs; their masses are those in each position.
 
     Returns
     -------
@@ -262,11 +257,7 @@ def inverse_dynamics(
     for one in applied:
         load[..., one.link, :2] += one.force
         load[..., one.link, 2] += one.moment(motion)
-    displaced = None
-    if longer is not None:
-        displaced = np.zeros((*longer.shape, 2), dtype=complex)
-        displaced[..., 1] = longer * np.exp(1j * motion.angle)
-    matrix = connection_matrix(topology, motion, displaced)
+    matrix = connection_matrix(topology, motion)
     unknown = solve_connections(topology, motion, load.reshape(*load.shape[:-2], -1), matrix)
     vectors = unknown[..., None] * connection_vectors(topology, matrix)
     every = connections(topology)

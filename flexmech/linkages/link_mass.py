@@ -145,11 +145,11 @@ class LinkMass:
         ----------
         place : ndarray, shape () or (k,)
             Distances from the link's start in m; a point mass or body exactly there is beyond the
-            cut. Of links of several designs (B, k), those in each position.
+            cut.
 
         Returns
         -------
-        tuple of ndarray, shape () or (k,), or (B, k)
+        tuple of ndarray, shape () or (k,)
             Mass in kg, first moment about the link's start as a complex number, along and across
             the link, in kg m, and polar second moment in kg m^2.
         """
@@ -157,23 +157,18 @@ class LinkMass:
 
     @property
     def moments(self) -> MassMoments:
-        """Mass and moments of the whole link, as in :meth:`before`; () or, of designs, (B,)."""
+        """Mass and moments of the whole link, as in :meth:`before`."""
         return self._moments(np.asarray(self.length), np.asarray(np.inf))
 
     def _moments(self, place: FloatArray, reach: FloatArray) -> MassMoments:
         """Distributed mass up to places, and points and bodies before others."""
-
-        def each(numbers: float) -> FloatArray:
-            return np.reshape(numbers, (-1, 1) if np.ndim(place) > 1 else np.shape(numbers))
-
-        mass: FloatArray = each(self.mass_per_length) * place
+        mass: FloatArray = self.mass_per_length * place
         first: ComplexArray = mass * (place / 2 + 1j * self.offset)
-        second = mass * (place**2 / 3 + self.offset**2) + each(self.rotary_inertia) * place
+        second = mass * (place**2 / 3 + self.offset**2) + self.rotary_inertia * place
         points = zip(self.point_positions, self.point_masses, strict=True)
-        lumps = [(each(x), each(x) + 0j, each(lump), 0.0) for x, lump in points]
+        lumps = [(x, complex(x), lump, 0.0) for x, lump in points]
         for own in self.bodies:
-            at, centre, lump = map(np.asarray, (own.position, complex(*own.centre), own.mass))
-            lumps.append((at, centre, lump, own.inertia))
+            lumps.append((own.position, complex(*own.centre), own.mass, own.inertia))
         for at, centre, lump, inertia in lumps:
             passed = at < reach
             mass = mass + passed * lump

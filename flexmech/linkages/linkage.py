@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
 from typing import Protocol, Self
 
 import numpy as np
@@ -99,55 +98,6 @@ class Linkage(Protocol):
             Where the linkage cannot be assembled or locks; names the crank angle.
         """
         ...
-
-
-@dataclass(frozen=True)
-class LinkageStack:
-    """D linkages whose topologies differ in the lengths of links alone.
-
-    Parameters
-    ----------
-    linkages : tuple of Linkage
-    """
-
-    linkages: tuple[Linkage, ...]
-
-    @property
-    def topology(self) -> Topology:
-        """Links and connections; lengths are those of the first linkage."""
-        return self.linkages[0].topology
-
-    def motion(self, crank_angle: FloatArray, crank_speed: FloatArray) -> RigidMotion:
-        """Rigid motion of all linkages, each at as many positions.
-
-        Parameters
-        ----------
-        crank_angle, crank_speed : ndarray, shape (D * A,)
-            In rad and rad/s; first those of the first linkage.
-
-        Returns
-        -------
-        RigidMotion
-            Batch of shape (D * A,), with ``design``.
-
-        Raises
-        ------
-        InputError
-            Where one of them cannot be assembled or locks.
-        """
-        shape = (len(self.linkages), -1)
-        every = zip(
-            self.linkages, crank_angle.reshape(shape), crank_speed.reshape(shape), strict=True
-        )
-        return RigidMotion.of_designs([one.motion(angle, speed) for one, angle, speed in every])
-
-
-def connections(linkage: Linkage) -> Hashable:
-    """What two linkages must have in common to be stacked."""
-    topology = linkage.topology
-    links = tuple((link.name, link.rigid) for link in topology.links)
-    joined = (topology.clamps, topology.pivots, topology.pins, topology.welds, topology.sliders)
-    return type(linkage), links, joined
 
 
 def assemblable(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
-from typing import Any, Self
+from dataclasses import dataclass, fields, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -92,8 +91,6 @@ class RigidMotion:
         Absolute angle of each link frame and its time derivatives.
     origin, origin_velocity, origin_acceleration : ndarray, shape (..., n_links, 2)
         Start of each link, in ground axes.
-    design : ndarray of int, shape (...), optional
-        Number of each position's design, where they are of several linkages.
     """
 
     crank_angle: FloatArray
@@ -104,29 +101,9 @@ class RigidMotion:
     origin: FloatArray
     origin_velocity: FloatArray
     origin_acceleration: FloatArray
-    design: IntArray | None = field(default=None, kw_only=True)
 
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
-
-    @classmethod
-    def of_designs(cls, parts: Sequence[RigidMotion]) -> RigidMotion:
-        """Motions of D linkages as one, with the number of each position's design.
-
-        Parameters
-        ----------
-        parts : sequence of RigidMotion
-            Of each linkage, a batch of shape (A,).
-
-        Returns
-        -------
-        RigidMotion
-            Batch of shape (D * A,).
-        """
-        names = [entry.name for entry in fields(cls) if entry.name != "design"]
-        every = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-        counts = [len(part.crank_angle) for part in parts]
-        return RigidMotion(**every, design=np.repeat(np.arange(len(parts)), counts))
 
     def at(self, which: NDArray[np.bool_] | IntArray | slice) -> Self:
         """Motion in some of the positions.
@@ -140,11 +117,7 @@ class RigidMotion:
         RigidMotion
             Batch of shape (B,).
         """
-        every = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        chosen: dict[str, Any] = {
-            name: None if v is None else v[which] for name, v in every.items()
-        }
-        return type(self)(**chosen)
+        return type(self)(*(getattr(self, entry.name)[which] for entry in fields(self)))
 
     def arm(self, link: int, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray:
         """From a link's start to the point at ``(x, y)`` in its frame, ground axes in m.

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
 import scipy.sparse
-from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgbsv, dpbtrf, dpbtrs
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
@@ -228,7 +230,7 @@ class LinkageAssembly:
 
     def entries(self, batch: int) -> tuple[FloatArray, dict[int, FloatArray]]:
         """Array (R, B) for the entries of tangents, and views (e, r, r, B) for those of links."""
-        rows, views, first = np.empty((self._first_of_blocks()[-1], batch)), {}, 0
+        rows, views, first = np.empty((self._first_of_blocks[-1], batch)), {}, 0
         for link, shape in self._shapes.items():
             last = first + int(np.prod(shape))
             views[link], first = rows[first:last].reshape(*shape, batch), last
@@ -241,7 +243,7 @@ class LinkageAssembly:
         rigid: FloatArray | None,
         joined: Iterable[FloatArray],
     ) -> FloatArray:
-        """Tangent in band form; see :func:`factorize_band`.
+        """Tangent in band form; see :func:`solve_band`.
 
         Parameters
         ----------
@@ -258,7 +260,7 @@ class LinkageAssembly:
         ndarray, shape (size, width + 1, B)
         """
         rows, views = entries
-        first = self._first_of_blocks()
+        first = self._first_of_blocks
         stiffness = np.zeros((self._rigid_count, self._rigid_count, 1))
         if rigid is not None:
             stiffness = np.moveaxis(rigid, 0, -1)
@@ -285,12 +287,13 @@ class LinkageAssembly:
         first = [int(rows.min()) for rows, _ in self.frames.dependencies(link)]
         return sorted({min(row // self._per_node, last) for row in first})
 
-    @property
+    @cached_property
     def _shapes(self) -> dict[int, tuple[int, int, int]]:
         """Shape ``(e, r, r)`` of the entries of each link by relative coordinates."""
         size = 2 * (self._per_node - 1)
-        return {n: (own.elements.length.shape[-1], size, size) for n, own in self.links.items()}
+        return {n: (len(own.elements.length), size, size) for n, own in self.links.items()}
 
+    @cached_property
     def _first_of_blocks(self) -> IntArray:
         """Row of the entries where each block begins, and their number."""
         inner = sum(int(np.prod(shape)) for shape in self._shapes.values())
@@ -312,7 +315,7 @@ class LinkageAssembly:
             target = self.frames.targets[link][self._rows(number)]
             parts.append(_pairs(target, source, np.outer(signs, signs).ravel()))
             first += count * relative**2
-        for columns, begin in zip(self._blocks, self._first_of_blocks(), strict=False):
+        for columns, begin in zip(self._blocks, self._first_of_blocks, strict=False):
             inside = np.arange(len(columns) ** 2)
             parts.append(_pairs(columns, begin + inside, np.ones(len(inside))))
         rows, columns, source, sign = (np.concatenate(x) for x in zip(*parts, strict=True))
@@ -323,7 +326,7 @@ class LinkageAssembly:
         below = place[rows] - place[columns]
         width, used = int(np.abs(below).max()), below >= 0
         slot = place[columns[used]] * (width + 1) + below[used]
-        shape = (size * (width + 1), int(self._first_of_blocks()[-1]))
+        shape = (size * (width + 1), int(self._first_of_blocks[-1]))
         scatter = scipy.sparse.csr_matrix((sign[used], (slot, source[used])), shape=shape)
         return np.asarray(order, dtype=np.intp), scatter
 
@@ -353,16 +356,11 @@ def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> Flo
 
     Returns
     -------
-    ndarray, shape (size, 1), or (size, D) of the links of several designs
+    ndarray, shape (size, 1)
     """
-    every = [link.length for link in frames.topology.links]
-    for number, own in links.items():
-        if own.length.ndim > 1:
-            every[number] = own.length.sum(axis=-1)
-    # The length of a rigid link is a number; a stack has none.
-    lengths = np.stack(np.broadcast_arrays(*map(np.atleast_1d, every)))
-    shortest, shapes = 1.0 / lengths.min(axis=0), next(iter(links.values())).shapes
-    scale = np.tile(shortest, (frames.size, 1))
+    lengths = [link.length for link in frames.topology.links]
+    shortest, shapes = 1.0 / min(lengths), next(iter(links.values())).shapes
+    scale = np.full((frames.size, 1), shortest)
     for link in frames.rigid.links:
         turn = frames.targets[link][2]
         scale[turn[turn >= 0]] = 1.0
@@ -496,56 +494,37 @@ class RadialSprings:
             yield stiffness * np.einsum("cib,cjb->ijb", moved, moved)
 
 
-def factorize_band(band: FloatArray) -> FloatArray:
-    """LDL^T factors of symmetric band matrices, in place.
+def solve_band(band: FloatArray, right: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Solutions of symmetric band systems, and which of these are positive definite.
 
     The stiffness of links joined in a chain has a narrow band once its coordinates are well
-    ordered. Elimination runs column by column, each step over the whole batch: the cost grows
-    linearly with the number of elements.
+    ordered: the cost grows linearly with the number of elements. By Cholesky's factors (LAPACK's
+    ``pbtrf``), and by LU where a matrix is not positive definite.
 
     Parameters
     ----------
     band : ndarray, shape (n, width + 1, B)
-        ``band[j, k]`` holds entry (j + k, j) of each matrix; overwritten.
-
-    Returns
-    -------
-    ndarray, shape (n, width + 1, B)
-        The pivots D in ``[:, 0]``, the columns of L below. A pivot that is not positive
-        says that the matrix is not positive definite.
-    """
-    size, columns, batch = band.shape
-    width = columns - 1
-    # Row k of the matrix to take off in a step begins k entries further down the column.
-    column = np.zeros((2 * width, batch))
-    shifted = sliding_window_view(column, width, axis=0)[:width].transpose(0, 2, 1)
-    for j in range(size - 1):
-        reach = min(width, size - 1 - j)
-        column[:reach], column[reach:width] = band[j, 1 : reach + 1], 0.0
-        band[j, 1 : reach + 1] /= band[j, 0]
-        band[j + 1 : j + 1 + reach, :width] -= band[j, 1 : reach + 1, None] * shifted[:reach]
-    return band
-
-
-def solve_band(factors: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve with the factors of :func:`factorize_band`.
-
-    Parameters
-    ----------
-    factors : ndarray, shape (n, width + 1, B)
+        ``band[j, k]`` holds entry (j + k, j) of each matrix.
     right : ndarray, shape (n, B)
 
     Returns
     -------
-    ndarray, shape (n, B)
+    solution : ndarray, shape (n, B)
+        Not numbers where the matrix is singular.
+    positive : ndarray of bool, shape (B,)
     """
-    size, columns = factors.shape[:2]
-    x = right.copy()
-    for j in range(size):
-        reach = min(columns - 1, size - 1 - j)
-        x[j + 1 : j + 1 + reach] -= factors[j, 1 : reach + 1] * x[j]
-    x /= factors[:, 0]
-    for j in range(size - 1, -1, -1):
-        reach = min(columns - 1, size - 1 - j)
-        x[j] -= (factors[j, 1 : reach + 1] * x[j + 1 : j + 1 + reach]).sum(axis=0)
-    return x
+    positive, solution = np.ones(band.shape[-1], dtype=bool), right.T.copy()
+    for number, lower in enumerate(np.ascontiguousarray(np.moveaxis(band, -1, 0))):
+        factors, failed = dpbtrf(lower.T, lower=1)
+        if not failed:
+            solution[number] = dpbtrs(factors, solution[number], lower=1)[0]
+            continue
+        positive[number] = False
+        size, width = len(lower), lower.shape[1] - 1
+        full = np.zeros((3 * width + 1, size))
+        full[2 * width :] = lower.T
+        for k in range(1, width + 1):
+            full[2 * width - k, k:] = lower[: size - k, k]
+        *_, found, singular = dgbsv(width, width, full, solution[number])
+        solution[number] = np.nan if singular else found
+    return solution.T, positive

@@ -35,26 +35,20 @@ DIFFERENCE = 1e-7
 class ElementNumbers:
     """Constants of e elements, by which their forces are computed.
 
-    Those of one design are the same in all positions; those of several are given in each of B.
-
     Parameters
     ----------
-    length : ndarray, shape (e, 1) or (e, B)
+    length : ndarray, shape (e, 1)
         In m.
-    axial_stiffness : ndarray, shape () or (B,)
+    axial_stiffness : float
         EA in N.
-    bending, arch : ndarray, shape (e, k, k) or (e, k, k, B)
+    bending, arch : ndarray, shape (e, k, k)
         Stiffness against what turns and bends an element, and mean of the squared slope.
     """
 
     length: FloatArray
-    axial_stiffness: FloatArray
+    axial_stiffness: float
     bending: FloatArray
     arch: FloatArray
-
-    def at(self, designs: IntArray) -> ElementNumbers:
-        """Numbers of D designs (..., D) in positions (B,)."""
-        return ElementNumbers(*(in_positions(values, designs) for values in vars(self).values()))
 
 
 @dataclass(frozen=True)
@@ -241,7 +235,6 @@ class CorotationalElements:
         swelling: float = 1.0,
         before: LinearStrain | None = None,
         out: FloatArray | None = None,
-        design: IntArray | None = None,
     ) -> ElementResponse:
         """Internal forces and tangent stiffness by the relative coordinates.
 
@@ -255,14 +248,12 @@ class CorotationalElements:
             tension to which it leads. Left out: with the tension of the state itself.
         out : ndarray, shape (e, r, r, B), optional
             Where to write the tangent.
-        design : ndarray of int, shape (B,), optional
-            Of each position, where elements are those of several designs.
 
         Returns
         -------
         ElementResponse
         """
-        moved, numbers = self._arms.moved(relative), self._numbers_at(design)
+        moved, numbers = self._arms.moved(relative), self._numbers
         pure = self._pure(moved, numbers)
         bending = by_elements(numbers.bending, pure.turns - swelling * self._arc)
         own = self._stress(pure, bending, pure.strain, swelling, numbers)
@@ -278,7 +269,7 @@ class CorotationalElements:
         )
         return ElementResponse(force, tangent, LinearStrain(moved, pure.strain, gradient))
 
-    def damping(self, relative: FloatArray, design: IntArray | None = None) -> FloatArray:
+    def damping(self, relative: FloatArray) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
 
         A bowed element that bends further stretches no fibre on its axis, and nothing is to
@@ -288,19 +279,17 @@ class CorotationalElements:
         Parameters
         ----------
         relative : ndarray, shape (e, r, B)
-        design : ndarray of int, shape (B,), optional
-            As in :meth:`response`.
 
         Returns
         -------
         ndarray, shape (e, r, r, B)
         """
-        pure = self._pure(self._arms.moved(relative), self._numbers_at(design))
+        pure = self._pure(self._arms.moved(relative), self._numbers)
         matrix = np.empty((*relative.shape[:2], *relative.shape[1:]))
-        axial = self.elements.section.damping_times[..., 0] * self._numbers.axial_stiffness
-        own = self._by_design(self._own_part(self.elements.neutral_damping))
-        damped = replace(self._numbers, axial_stiffness=axial, bending=own)
-        self._fill(matrix, pure, damped if design is None else damped.at(design), None)
+        axial = float(self.elements.section.damping_times[0]) * self._numbers.axial_stiffness
+        bending = self._own_part(self.elements.neutral_damping)
+        damped = replace(self._numbers, axial_stiffness=axial, bending=bending)
+        self._fill(matrix, pure, damped, None)
         self._arms.turn(relative, None, matrix)
         return matrix
 
@@ -360,30 +349,19 @@ class CorotationalElements:
 
     @cached_property
     def _arc(self) -> FloatArray:
-        """Rotations of the nodes of elements by free curvature, (e, k, 1); none of a stack."""
-        if self.elements.length.ndim > 1:
-            return np.zeros((1, 1, 1))
+        """Rotations of the nodes of elements by free curvature, (e, k, 1)."""
         return self.elements.shapes.arc(self.elements.section, self.elements.length)[..., None]
 
     def _own_part(self, matrix: FloatArray) -> FloatArray:
-        """Block of the coordinates other than displacements; (..., e, 2 p, 2 p) -> (..., k, k)."""
-        return matrix[..., self._own[:, None], self._own]
-
-    def _by_design(self, values: FloatArray) -> FloatArray:
-        """Numbers of elements with the designs behind them, where there are several."""
-        return values if self.elements.length.ndim == 1 else np.moveaxis(values, 0, -1)
+        """Block of the coordinates other than displacements; (e, 2 p, 2 p) -> (e, k, k)."""
+        return matrix[:, self._own[:, None], self._own]
 
     @cached_property
     def _numbers(self) -> ElementNumbers:
-        """Of one design, or (..., D) of several."""
         elements = self.elements
-        axial = elements.neutral_stiffness[..., 0, 0, 0] * elements.length[..., 0]
-        length = elements.length[..., None] if elements.length.ndim == 1 else elements.length.T
+        axial = float(elements.neutral_stiffness[0, 0, 0] * elements.length[0])
         own = (self._own_part(x) for x in (elements.neutral_stiffness, elements.arch))
-        return ElementNumbers(length, np.asarray(axial), *map(self._by_design, own))
-
-    def _numbers_at(self, design: IntArray | None) -> ElementNumbers:
-        return self._numbers if design is None else self._numbers.at(design)
+        return ElementNumbers(elements.length[:, None], axial, *own)
 
     def _pure(self, relative: FloatArray, numbers: ElementNumbers) -> _PureDeformation:
         length = numbers.length

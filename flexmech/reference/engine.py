@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
@@ -10,18 +10,16 @@ from typing import ClassVar
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.beams.comparison import compare_theories, prepare_comparisons
+from flexmech.beams.comparison import compare_theories
 from flexmech.beams.elements import BEAM_SHAPES
-from flexmech.beams.link_matrices import Chain, build_chain, stack_chains
+from flexmech.beams.link_matrices import Chain, build_chain
 from flexmech.beams.restrained_ends import restrained_beam
-from flexmech.choices import ELEMENTS, MASSES, MODES, MassChoice
+from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
-    MOST_STACKED,
     BalancedLoads,
     Engine,
     LinkModel,
     LinkStretch,
-    MechanismStack,
     Prestress,
     StressedLinks,
     TheoryComparison,
@@ -29,7 +27,6 @@ from flexmech.linear_system import (
     refuse_large_displacements,
     rigid_link,
     straight_forces,
-    ties_beyond_pins,
     with_rigid_links,
 )
 from flexmech.linkages import LinkMass, RigidMotion, lumped_elements
@@ -38,9 +35,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.force_balance import ForceBalance
 from flexmech.reference.stretch import chain_stretch
-
-# Elements by whose theories links of several designs are built at once.
-STACKED = ("euler", "timoshenko")
 
 
 class ReferenceEngine(Engine):
@@ -80,11 +74,6 @@ class ReferenceEngine(Engine):
         """See :meth:`Engine.compare_theories`."""
         return compare_theories(mechanism, modes)
 
-    @classmethod
-    def prepare_comparisons(cls, mechanisms: Sequence[Mechanism], modes: int = MODES) -> None:
-        """See :meth:`Engine.prepare_comparisons`."""
-        prepare_comparisons(mechanisms, modes)
-
     @cached_property
     def chains(self) -> dict[int, Chain]:
         """Links of beam elements by their number in the topology: all but rigid ones."""
@@ -93,36 +82,11 @@ class ReferenceEngine(Engine):
 
     def _chain(self, number: int, name: str) -> Chain:
         """Beam elements of one flexible link."""
-        if self.members:
-            mechanisms = [own.mechanism for own in self.members]
-            # Joints restrain no ends of links that are alike.
-            parts = [own.sections[name] for own in mechanisms]
-            masses = [own.link_masses_in_order[number] for own in mechanisms]
-            return stack_chains(name, parts, masses, self.elements, BEAM_SHAPES[self.element])
-        mass, at = self._masses[number], self.mechanism.acting_at(name)
+        mass, at = self._masses[number], tuple(self.mechanism.acting_at(name))
         section, restraint = restrained_beam(self.mechanism, name)
         shapes = BEAM_SHAPES[self.element]
         chain = build_chain(name, section, mass, self.elements, shapes, at)
         return chain if restraint is None else restraint.restrain(chain, mass.mass_per_length)
-
-    @property
-    def likeness_of_links(self) -> Hashable | None:
-        """See :attr:`Engine.likeness_of_links`."""
-        mechanism, links = self.mechanism, []
-        if self.element not in STACKED or self.elements > MOST_STACKED:
-            return None
-        each = zip(mechanism.linkage.topology.links, mechanism.link_masses_in_order, strict=True)
-        for link, mass in each:
-            if link.rigid:
-                return None
-            section = mechanism.sections[link.name]
-            own, restraint = restrained_beam(mechanism, link.name)
-            if restraint is not None or section.is_eccentric or mass.bodies:
-                return None
-            if self.mass == "lumped" or not mass.mass_per_length:
-                return None
-            links.append((len(mass.point_masses), own.shears, own.damping.any))
-        return self.element, tuple(links)
 
     @cached_property
     def _lumped(self) -> tuple[int, ...] | None:
@@ -210,14 +174,12 @@ class ReferenceEngine(Engine):
         what those of the elastic motion add inside it is left out, and falls with the square
         of the element length. Their mean is that of the state.
         """
-        force, of_chains = self.balance.response(displacement, self._varying(motion), motion.design)
+        force, of_chains = self.balance.response(displacement, self._varying(motion))
         tangent = [
             of_chains.get(number, np.zeros((link.size, link.size)))
             for number, link in enumerate(self.clamped_links)
         ]
-        return StressedLinks(
-            tangent, list(displacement), force, self._damping(motion, displacement)
-        )
+        return StressedLinks(tangent, list(displacement), force, self._damping(displacement))
 
     def tangents_under_dead_loads(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
@@ -233,7 +195,7 @@ class ReferenceEngine(Engine):
         varying: Sequence[FloatArray],
         loads: list[FloatArray],
     ) -> StressedLinks:
-        force, of_chains = self.balance.response(displacement, varying, motion.design)
+        force, of_chains = self.balance.response(displacement, varying)
         frames, links = self.clamped_frames, self.clamped_links
         found, dead = None, self._dead(motion, loads, displacement)
         columns = [q.T for q in displacement]
@@ -248,18 +210,16 @@ class ReferenceEngine(Engine):
             if link.rigid:
                 turned = stressed.tangent[number] @ displacement[number][..., None]
                 force[number] = turned[..., 0]
-        damping = self._damping(motion, displacement)
+        damping = self._damping(displacement)
         return replace(
             stressed, displacement=list(displacement), internal_force=force, damping=damping
         )
 
-    def _damping(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> list[FloatArray] | None:
+    def _damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray] | None:
         """Damping of displaced links, (B, n_link, n_link); None where none is damped."""
         if not any(link.damping.any() for link in self.clamped_links):
             return None
-        bent = self.balance.damping(displacement, motion.design)
+        bent = self.balance.damping(displacement)
         return [bent.get(n, np.zeros((*q.shape, 3))) for n, q in enumerate(displacement)]
 
     def damping_stiffness(
@@ -277,31 +237,15 @@ class ReferenceEngine(Engine):
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""
-        frames, designs = self.rigid_joint_frames, self.mechanism
-        loads, found = self._loads(motion), None
-        if not isinstance(designs, MechanismStack):
-            forces, found = straight_forces(
-                designs, frames, motion, loads, self._lumped, self.connectors
-            )
-        elif not ties_beyond_pins(frames):
-            forces = designs.forces(motion)
-        else:
-            # What welds carry is found design by design.
-            alone, design = replace(motion, design=None), np.asarray(motion.design)
-            parts = [
-                own.stressed_clamped_links(
-                    alone.at(np.flatnonzero(design == number)), "axial"
-                ).tangent
-                for number, own in enumerate(self.members)
-            ]
-            return StressedLinks([np.concatenate(own) for own in zip(*parts, strict=True)])
+        frames, loads = self.rigid_joint_frames, self._loads(motion)
+        forces, found = straight_forces(
+            self.mechanism, frames, motion, loads, self._lumped, self.connectors
+        )
         tangent = {}
         for number, chain in self.chains.items():
             nodes, stiffness = chain.nodes, chain.model.stiffness
-            if motion.design is not None:
-                nodes, stiffness = nodes[motion.design], stiffness[motion.design]
-            tension = varying_tension(motion, number, chain, np.asarray(designs.gravity))
-            middle = forces.axial_force(number, (nodes[..., :-1] + nodes[..., 1:]) / 2)
+            tension = varying_tension(motion, number, chain, np.asarray(self.mechanism.gravity))
+            middle = forces.axial_force(number, (nodes[:-1] + nodes[1:]) / 2)
             tension[..., 0] = middle + tension[..., 2] / 2
             tangent[number] = stiffness + chain_matrix(chain.elements.geometric_stiffness(tension))
         drawn = [np.zeros_like(load.T) for load in loads]
@@ -347,10 +291,8 @@ def varying_tension(
     ndarray, shape (B, e, 3)
         Legendre coefficients along each element: mean (zero), linear, quadratic; in N.
     """
-    line, nodes = np.asarray(chain.line_mass)[..., None], chain.nodes
-    if motion.design is not None:
-        line, nodes = line[motion.design], nodes[motion.design]
-    length, middle = np.diff(nodes), (nodes[..., :-1] + nodes[..., 1:]) / 2
+    line, nodes = chain.line_mass, chain.nodes
+    length, middle = np.diff(nodes), (nodes[:-1] + nodes[1:]) / 2
     pull = motion.origin_acceleration[:, link] - gravity
     along = np.sum(pull * direction(motion.angle[:, link]), axis=-1)
     offset = chain.elements.section.mass_axis

@@ -32,7 +32,7 @@ from flexmech.linear_system import (
     refuse_positions,
 )
 from flexmech.linkages import RigidMotion
-from flexmech.reference.assembly import angle_per_unit, factorize_band, solve_band
+from flexmech.reference.assembly import angle_per_unit, solve_band
 from flexmech.reference.corotational import in_positions
 from flexmech.reference.force_balance import ForceBalance, Imbalance, Problem
 
@@ -96,10 +96,9 @@ class Equilibrium:
         self._balance, self._stable_alone = balance, stable_alone
         self._assembly, self._frames = balance.assembly, balance.frames
         elements = {n: own.elements for n, own in balance.links.items()}
-        scales = [
-            e.section.bending_stiffness / e.length.sum(axis=-1) ** 2 for e in elements.values()
-        ]
-        self._force_scale = np.asarray(np.min(scales, axis=0))
+        self._force_scale = min(
+            e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in elements.values()
+        )
         self._angle_per_unit = angle_per_unit(self._frames, elements)
 
     def solve(
@@ -186,11 +185,9 @@ class Equilibrium:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             imbalance = self._balance.imbalance(z, problem)
             for _ in range(iterations):
-                factors = factorize_band(imbalance.band)
                 change, order = np.empty_like(z), self._assembly.order
-                change[order] = solve_band(factors, imbalance.residual[order])
-                last = self._turned(change, problem) <= LAST_STEP
-                stable = np.all(factors[:, 0] > 0, axis=0)
+                change[order], stable = solve_band(imbalance.band, imbalance.residual[order])
+                last = self._turned(change) <= LAST_STEP
                 state.put(
                     which, State(z + np.where(last, change, 0.0), imbalance.error, stable, last)
                 )
@@ -203,13 +200,9 @@ class Equilibrium:
                 z, imbalance = self._advance(z, change, problem, imbalance)
         return state
 
-    def _turned(self, change: FloatArray, problem: Problem) -> FloatArray:
+    def _turned(self, change: FloatArray) -> FloatArray:
         """Greatest rotation in rad of a change (size, B) of the displacements, (B,)."""
-        design = problem.motion.design
-        scale = self._angle_per_unit
-        if design is not None:
-            scale = in_positions(scale, design)
-        return np.asarray(np.abs(change * scale).max(axis=0, initial=0.0), dtype=float)
+        return np.asarray(np.abs(change * self._angle_per_unit).max(axis=0, initial=0.0))
 
     def _advance(
         self, z: FloatArray, change: FloatArray, problem: Problem, before: Imbalance
@@ -217,12 +210,11 @@ class Equilibrium:
         """One Newton step, with line search where it overshoots."""
         length = np.ones(z.shape[1])
         limit = np.maximum(ALLOWED_GROWTH * before.error, ALLOWED_FORCES * problem.greatest)
-        design = problem.motion.design
-        scale = self._force_scale if design is None else self._force_scale[design]
+        limit = np.maximum(limit, self._force_scale * ALLOWED_FORCES)
         while True:
             trial = z + length * change
             imbalance = self._balance.imbalance(trial, problem, before.strains)
-            worse = ~(imbalance.error <= np.maximum(limit, scale * ALLOWED_FORCES))
+            worse = ~(imbalance.error <= limit)
             if not np.any(worse & (length > SHORTEST_STEP)):
                 return trial, imbalance
             length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)

@@ -170,7 +170,6 @@ class ForceBalance:
                 problem.swelling,
                 None if before is None else before[place],
                 entries[1][number],
-                motion.design,
             )
             inner[number] = self.links[number].on_nodes(response.force)
             strains.append(response.strain)
@@ -222,10 +221,7 @@ class ForceBalance:
             forces[link][:] += own.rows.T @ (own.elastic @ bent)
 
     def response(
-        self,
-        displacement: Sequence[FloatArray],
-        extra: Sequence[FloatArray],
-        design: IntArray | None = None,
+        self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]
     ) -> tuple[list[FloatArray], dict[int, FloatArray]]:
         """Internal forces and tangents of the links at given displacements.
 
@@ -235,8 +231,6 @@ class ForceBalance:
         extra : sequence of ndarray, shape (e, r, r, B)
             Stiffness of each element besides that of the corotational beam, by its relative
             coordinates.
-        design : ndarray of int, shape (B,), optional
-            Of each position of several designs.
 
         Returns
         -------
@@ -248,7 +242,7 @@ class ForceBalance:
         columns, tangents = [q.T for q in displacement], {}
         forces = [np.zeros_like(q) for q in columns]
         for (number, link), more in zip(self.links.items(), extra, strict=True):
-            response = self._response(number, columns[number], more, 1.0, None, None, design)
+            response = self._response(number, columns[number], more, 1.0, None, None)
             forces[number] = link.on_nodes(response.force)
             tangents[number] = link.of_link(response.tangent)
         self._add_coupling(columns, forces, swelling=1.0)
@@ -256,23 +250,19 @@ class ForceBalance:
             tangents[number] += coupling.stiffness
         return [force.T for force in forces], tangents
 
-    def damping(
-        self, displacement: Sequence[FloatArray], design: IntArray | None = None
-    ) -> dict[int, FloatArray]:
+    def damping(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:
         """Kelvin-Voigt damping matrix of each flexible link at given displacements.
 
         Parameters
         ----------
         displacement : sequence of ndarray, shape (B, n_link)
-        design : ndarray of int, shape (B,), optional
-            Of each position of several designs.
 
         Returns
         -------
         dict of int to ndarray, shape (B, n_link, n_link)
         """
         matrices = {
-            number: link.of_link(link.damping(link.relative(displacement[number].T), design))
+            number: link.of_link(link.damping(link.relative(displacement[number].T)))
             for number, link in self.links.items()
         }
         for number, coupling in self._couplings.items():

@@ -4,7 +4,6 @@ from flexmech.sections.beam_reduction import REDUCTIONS, Reduction
 from flexmech.sections.beam_section import (
     BeamSection,
     Layers,
-    SectionStack,
     sections_between_joints,
     stiffened_section,
 )
@@ -39,7 +38,6 @@ __all__ = [
     "LayerDirection",
     "Layers",
     "Reduction",
-    "SectionStack",
     "SheetSection",
     "SolidSection",
     "SpecificDamping",

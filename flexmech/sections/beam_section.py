@@ -1,12 +1,11 @@
-"""A beam section: stiffness, mass and damping per length, of one design or of many."""
+"""A beam section: stiffness, mass and damping per length."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 
@@ -517,39 +516,3 @@ def _restrained(section: BeamSection) -> BeamSection:
     if section.damping_frequency is None or section.specific_damping is None:
         return untwisted.damped_as(section)
     return untwisted.with_damping_frequency(section.damping_frequency)
-
-
-@dataclass(frozen=True)
-class SectionStack:
-    """Numbers of D sections, by which beams are computed as by those of one.
-
-    Parameters
-    ----------
-    axial_stiffness, bending_stiffness, shear_stiffness, mass_per_length, rotary_inertia : ndarray
-        Of shape (D,), or of a column for each place in each design: (D * places, 1).
-    damping_times : ndarray, shape (D, 4)
-        Kelvin-Voigt times of stretching, bending, warping and shear in s.
-    """
-
-    axial_stiffness: FloatArray
-    bending_stiffness: FloatArray
-    shear_stiffness: FloatArray
-    mass_per_length: FloatArray
-    rotary_inertia: FloatArray
-    damping_times: FloatArray
-    neutral_axis: ClassVar[float] = 0.0
-    mass_axis: ClassVar[float] = 0.0
-    first_moment_of_mass: ClassVar[float] = 0.0
-    free_strain: ClassVar[float] = 0.0
-    free_curvature: ClassVar[float] = 0.0
-
-    @classmethod
-    def of(cls, sections: Sequence[BeamSection]) -> SectionStack:
-        """Stack of symmetric sections, whose axes are that of the pins, without free strains."""
-        names = (*_STACKED, "damping_times")
-        return cls(*(np.array([getattr(s, name) for s in sections]) for name in names))
-
-    def repeated(self, places: int) -> SectionStack:
-        """Columns (D * places, 1) of as many places in each design."""
-        columns = {name: np.repeat(getattr(self, name), places)[:, None] for name in _STACKED}
-        return replace(self, **columns)

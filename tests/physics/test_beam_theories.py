@@ -45,6 +45,7 @@ from flexmech.modelfile import mechanism_from_toml
 from flexmech.sections import solid_section
 from flexmech.verification import verification_case
 from tests.support.command import MODELS
+from tests.support.random_mechanisms import random_case
 from tests.support.strategies import arm
 
 MATERIAL = Material(70e9, 2700.0, 0.3)
@@ -397,3 +398,13 @@ def test_links_of_many_elements_are_those_of_few_and_reduced_as_they_are_whole()
     many = found(18, True)
     np.testing.assert_allclose(many, found(18, False), rtol=1e-5)
     np.testing.assert_allclose(many, found(16, False), rtol=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_shear_changes_is_known_to_the_first_order_of_slender_links(seed: int) -> None:
+    """As by two theories, up to their meshes: elements of one are chosen by either alike."""
+    mechanism = random_case(seed, thickness=2.0).mechanism
+    comparison = ReferenceEngine.compare_theories(mechanism, 4)
+    by_both = comparison.difference("euler", "timoshenko").value
+    assert comparison.softening() == pytest.approx(by_both, rel=0.15, abs=2e-3)
+    assert (ReferenceEngine(mechanism).element == "euler") == (by_both <= 0.01)

@@ -19,7 +19,7 @@ from flexmech import (
     response,
     stability,
 )
-from flexmech.linkages import LinkageStack, continuous_angles
+from flexmech.linkages import continuous_angles
 from tests.support.command import run_command
 
 # Round a turn, beside the change points at 0 and 180 deg.
@@ -136,13 +136,6 @@ def test_lengths_that_miss_a_parallelogram_have_no_change_point() -> None:
     assert not FourBar(0.3, 0.1, 0.3 - 3e-7, 0.1).change_angles.size
     nearly = as_drawn(FourBar(0.3, 0.1, 0.3 - 3e-7, 0.1), 60)
     assert not nearly.change_angles.size
-
-
-def test_designs_at_once_pass_change_points_as_each_by_itself() -> None:
-    linkages = (PARALLELOGRAM, FourBar(0.3, 0.1, 0.29, 0.12), FourBar(0.3, 0.1, 0.1, 0.3))
-    together = LinkageStack(linkages).motion(np.tile(AROUND, 3), np.full(3 * len(AROUND), 2.0))
-    alone = np.concatenate([one.motion(AROUND, 2.0).angular_velocity for one in linkages])
-    np.testing.assert_array_equal(together.angular_velocity, alone)
 
 
 MODEL = """

@@ -13,7 +13,6 @@ from flexmech.analyses.frequencies.positions import frequency_extremes, natural_
 from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
-from flexmech.errors import FlexmechError
 from flexmech.linear_system import Engine
 from flexmech.linkages.frame_forces import shaft_axis
 from flexmech.mechanism import Mechanism
@@ -126,9 +125,7 @@ def _lowest_frequency(engine: Engine) -> tuple[float, float]:
     """Lowest natural frequency at rest over a turn in Hz, and its relative error by elements."""
     around = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     lowest = np.array([[True], [False]])
-    [found] = frequency_extremes([engine], around, np.zeros(1), modes=1, wanted=lowest)
-    if isinstance(found, FlexmechError):
-        raise found
+    found = frequency_extremes(engine, around, 0.0, modes=1, wanted=lowest)
     least = float(found.lowest_frequency[0])
     finer = engine.with_(elements=2 * engine.elements)
     again = float(natural_frequencies(finer, found.lowest_angle[0], modes=1)[..., 0])

@@ -19,7 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.analyses.frequencies.frequency_map import frequencies_at_trials
+from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.quartic import predicted_minimum
 from flexmech.analyses.requests import without_end
 from flexmech.arrays import FloatArray, IntArray
@@ -118,7 +118,7 @@ def extremes_between(
     Parameters
     ----------
     systems : Systems
-        As those of the grid; of a stack of S designs each crank speed is that of a design.
+        As those of the grid.
     crank_angles : ndarray, shape (A,)
         Increasing, rad.
     crank_speeds : ndarray, shape (S,)
@@ -161,7 +161,8 @@ def extremes_between(
 
     def solved(these: IntArray, trial: FloatArray) -> FloatArray:
         """Values (k, t) of the curves of t brackets at angles (k, t)."""
-        found = frequencies_at_trials(systems, crank_speeds, row[these], trial, crank_angles[0])
+        speed = np.broadcast_to(crank_speeds[row[these]], trial.shape)
+        found = frequencies_along(systems, trial.ravel(), speed.ravel()).reshape(*trial.shape, -1)
         value = found[:, np.arange(len(these)), mode[these]]
         return np.asarray(sign[these] * value, dtype=float)
 

@@ -5,12 +5,12 @@ They are linearized about the quasi-static equilibrium, or about the periodic mo
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
 from flexmech.linear_system import (
     Engine,
@@ -18,7 +18,6 @@ from flexmech.linear_system import (
     RotationTerms,
     StressedLinks,
     has_dampers,
-    stack_batches,
 )
 from flexmech.time_domain import NonlinearOrbit
 from flexmech.validation import check_choice, check_count
@@ -85,8 +84,8 @@ class Systems:
     engine : Engine
     formulation : Formulation
     fastest : float, optional
-        Greatest angular velocity of a link in rad/s, by which component modes are chosen, of each
-        design (D,) of a stack; that of the positions asked for by default.
+        Greatest angular velocity of a link in rad/s, by which component modes are chosen; that of
+        the positions asked for by default.
     detail : float
         How many component modes to take; see :meth:`flexmech.linear_system.Engine.linear_system`.
     running : NonlinearOrbit, optional
@@ -95,7 +94,7 @@ class Systems:
 
     engine: Engine
     formulation: Formulation
-    fastest: FloatArray | float | None = None
+    fastest: float | None = None
     detail: float = 1.0
     running: NonlinearOrbit | None = None
 
@@ -158,12 +157,6 @@ class Systems:
         """Displacements to linearize about, (B, n_link) each; None where there is a prestress."""
         return None if self.running is None else self.running.at(crank_angle)[0]
 
-    def batch_numbers(self, count: int) -> Sequence[slice | IntArray]:
-        """Positions of each batch, of so many; of a stack, as many of each design."""
-        if self.engine.designs is None:
-            return self.engine.batches(count)
-        return stack_batches(count, self.engine.designs)
-
     def batches(
         self,
         crank_angle: FloatArray,
@@ -182,6 +175,6 @@ class Systems:
             What :meth:`stressed` gave in the first batch.
         """
         speed = np.broadcast_to(crank_speed, crank_angle.shape)
-        for batch in self.batch_numbers(len(crank_angle)):
+        for batch in self.engine.batches(len(crank_angle)):
             yield self.at(crank_angle[batch], speed[batch], stressed)
             stressed = None

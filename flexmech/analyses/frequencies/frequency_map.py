@@ -11,7 +11,7 @@ import numpy as np
 from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.request import FrequencyRequest
-from flexmech.arrays import FloatArray, IntArray, LabelledProgress
+from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.choices import ROTATION_TERMS, Prestress
 from flexmech.linear_system import Engine, RotationTerms, StressedLinks
 from flexmech.time_domain import nonlinear_orbit
@@ -35,7 +35,7 @@ def systems_at(engine: Engine, request: FrequencyRequest, crank_speed: float) ->
     fastest = 0.0
     if crank_speed:
         motion = engine.mechanism.linkage.motion(request.crank_angles, 1.0)
-        fastest = float(engine.fastest(motion)[0]) * abs(crank_speed)
+        fastest = engine.fastest(motion) * abs(crank_speed)
     runs = request.formulation.prestress == "trajectory" and crank_speed
     # Its shaft turns evenly, whether small vibrations turn it besides or not.
     running = nonlinear_orbit(engine.with_(shaft="prescribed"), crank_speed) if runs else None
@@ -69,49 +69,9 @@ def frequencies_along(
     solve = partial(solve_frequencies, count=systems.formulation.modes)
     found = np.empty((len(crank_angles), systems.formulation.modes))
     parts = map(solve, systems.batches(crank_angles, crank_speed, stressed))
-    for batch, own in zip(systems.batch_numbers(len(crank_angles)), parts, strict=True):
+    for batch, own in zip(systems.engine.batches(len(crank_angles)), parts, strict=True):
         found[batch] = own
     return found
-
-
-def frequencies_at_trials(
-    systems: Systems, crank_speeds: FloatArray, row: IntArray, trial: FloatArray, usual: float
-) -> FloatArray:
-    """Natural frequencies at crank angles that differ from speed to speed, or design to design.
-
-    Parameters
-    ----------
-    systems : Systems
-        Of one mechanism, or of a stack of S designs.
-    crank_speeds : ndarray, shape (S,)
-        In rad/s.
-    row : ndarray of int, shape (t,)
-        Number of the speed, and of the design of a stack, at each trial.
-    trial : ndarray, shape (k, t)
-        Crank angles in rad.
-    usual : float
-        Any crank angle of all designs, in rad.
-
-    Returns
-    -------
-    ndarray, shape (k, t, modes)
-        In Hz, ascending.
-    """
-    if systems.engine.designs is None:
-        speed = np.broadcast_to(crank_speeds[row], trial.shape)
-        found = frequencies_along(systems, trial.ravel(), speed.ravel())
-        return found.reshape(*trial.shape, -1)
-    # A stack is solved at as many angles of each design.
-    order = np.argsort(row, kind="stable")
-    start = np.searchsorted(row[order], np.arange(len(crank_speeds) + 1))
-    place = np.arange(len(row)) - start[row[order]]
-    every = np.full((len(crank_speeds), int(np.diff(start).max()), len(trial)), usual)
-    every[row[order], place] = trial.T[order]
-    speed = np.repeat(crank_speeds, every[0].size)
-    found = frequencies_along(systems, every.ravel(), speed).reshape(*every.shape, -1)
-    values = np.empty((len(trial), len(row), found.shape[-1]))
-    values[:, order] = np.swapaxes(found[row[order], place], 0, 1)
-    return values
 
 
 # Terms of the prestress, and the levels that have them; they are switched on first.

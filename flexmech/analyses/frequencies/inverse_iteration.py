@@ -16,7 +16,6 @@ from flexmech.linear_system import (
     LinearSystem,
     LinkPencil,
     StaticResponse,
-    times,
 )
 
 # Relative difference of eigenvalues below which they are one: the root of round-off. A step of
@@ -142,13 +141,13 @@ def responding_values(
     ndarray, shape (B, m)
         In rad/s; not a number where a squared frequency is negative by round-off.
     """
-    loads = [times(*pair) for pair in zip(masses, shapes, strict=True)]
+    loads = [mass @ shape for mass, shape in zip(masses, shapes, strict=True)]
     better = response.displacements(loads)
-    inertia, strain = 0.0, 0.0
-    for mass, load, moved in zip(masses, loads, better, strict=True):
-        across = np.swapaxes(moved, 1, 2)
-        inertia, strain = inertia + across @ times(mass, moved), strain + across @ load
-    return _ritz_values(np.asarray(inertia), np.asarray(strain))
+    across = [np.swapaxes(moved, 1, 2) for moved in better]
+    parts = zip(across, masses, better, strict=True)
+    inertia = np.asarray(sum(by @ (mass @ moved) for by, mass, moved in parts))
+    strain = np.asarray(sum(by @ load for by, load in zip(across, loads, strict=True)))
+    return _ritz_values(inertia, strain)
 
 
 def _ritz_values(inertia: FloatArray, strain: FloatArray) -> NDArray[np.complex128]:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.analyses.designs import of_designs
 from flexmech.analyses.frequencies.discretisation import check_angle_indices
 from flexmech.analyses.frequencies.extremes import Extremes, extremes_between
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
@@ -15,10 +12,10 @@ from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import converged_along, converged_modes
 from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
-from flexmech.errors import FlexmechError, InputError
-from flexmech.linear_system import Engine, RotationTerms, same_of_all
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine, RotationTerms
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.validation import check_choice, checked_array
@@ -105,20 +102,18 @@ def frequencies_at(
 
 def _along(systems: Systems, angle: FloatArray, speed: FloatArray) -> tuple[FloatArray, Systems]:
     """Frequencies (B, modes) at positions, and the systems with as many modes as they need."""
-    count = angle.size // (systems.engine.designs or 1)
-    checks = check_angle_indices(np.arange(count, dtype=float), full_turn=False)
-    some = (np.arange(0, angle.size, count)[:, None] + checks).ravel()
-    rest = np.setdiff1d(np.arange(angle.size), some)
+    checks = check_angle_indices(np.arange(angle.size, dtype=float), full_turn=False)
+    rest = np.setdiff1d(np.arange(angle.size), checks)
     with one_thread():
         # The stress is the same in whatever modes: it is sought once in the first batch, and in
         # the positions to check along with it.
-        first = rest[systems.batch_numbers(rest.size)[0]] if rest.size else rest
-        known = np.union1d(first, some)
+        first = rest[systems.engine.batches(rest.size)[0]]
+        known = np.union1d(first, checks)
         stressed = systems.stressed(angle[known], speed[known])
-        there = stressed.at(np.searchsorted(known, some))
+        there = stressed.at(np.searchsorted(known, checks))
         checked = converged_along(systems, angle, speed, checks, stressed=there)
         found = np.empty((angle.size, checked.modes.count))
-        found[some] = checked.modes.frequency
+        found[checks] = checked.modes.frequency
         if rest.size:
             own = stressed.at(np.searchsorted(known, first))
             found[rest] = frequencies_along(checked.systems, angle[rest], speed[rest], own)
@@ -126,71 +121,53 @@ def _along(systems: Systems, angle: FloatArray, speed: FloatArray) -> tuple[Floa
 
 
 def frequency_extremes(
-    engines: Sequence[Engine],
+    engine: Engine,
     crank_angles: FloatArray,
-    crank_speeds: FloatArray,
+    crank_speed: float,
     *,
     modes: int,
     prestress: Prestress = "equilibrium",
-    rotation_terms: bool | RotationTerms = True,
     wanted: NDArray[np.bool_] | None = None,
-) -> list[Extremes | FlexmechError]:
-    """Lowest and highest natural frequencies over a turn of many designs.
-
-    They are found between the crank angles, of designs that are alike at once.
+) -> Extremes:
+    """Lowest and highest natural frequencies over a turn, found between the crank angles.
 
     Parameters
     ----------
-    engines : sequence of Engine
-        Of each design.
+    engine : Engine
     crank_angles : ndarray, shape (A,)
         Evenly spaced over a turn in rad, without its end.
-    crank_speeds : ndarray, shape (D,)
-        Of each design in rad/s.
+    crank_speed : float
+        In rad/s.
     modes : int
     prestress : {"none", "axial", "equilibrium"}
-    rotation_terms : bool or RotationTerms
     wanted : ndarray of bool, shape (2, modes), optional
         Which lowest and highest frequencies are sought between the angles; all by default.
 
     Returns
     -------
-    list of Extremes or FlexmechError
-        Of each design arrays of shape (modes,), to a millionth of the frequency besides the errors
-        of the model; or why there are none.
+    Extremes
+        Arrays of shape (modes,), to a millionth of the frequency besides the errors of the model.
+
+    Raises
+    ------
+    InputError, ComputationError
+        As of :func:`natural_frequencies`.
     """
-    formulation = Formulation(prestress, rotation_terms, modes)
-
-    def compute(engine: Engine, numbers: IntArray) -> list[Extremes]:
-        found = _extremes(engine, crank_angles, crank_speeds[numbers], formulation, wanted)
-        return [found.of_speed(number) for number in range(len(numbers))]
-
-    return of_designs([engine.fit_for(modes) for engine in engines], compute)
-
-
-def _extremes(
-    engine: Engine,
-    crank_angles: FloatArray,
-    crank_speeds: FloatArray,
-    formulation: Formulation,
-    wanted: NDArray[np.bool_] | None = None,
-) -> Extremes:
-    """Extremes (D, modes) of an engine, or of a stack, at a speed of each design, (D,)."""
-    shape = (len(crank_speeds), len(crank_angles))
-    angle = np.broadcast_to(crank_angles, shape).ravel()
-    speed = np.repeat(crank_speeds, shape[1])
-    found, systems = _along(_systems(engine, angle, speed, formulation)[2], angle, speed)
-    error = np.full(formulation.modes, EXTREMES_WITHIN)
+    formulation = Formulation(prestress, True, modes)
+    angle, speed, systems = _systems(engine.fit_for(modes), crank_angles, crank_speed, formulation)
+    found, systems = _along(systems, angle, speed)
+    error = np.full(modes, EXTREMES_WITHIN)
     with one_thread():
-        return extremes_between(
+        extremes = extremes_between(
             systems,
             crank_angles,
-            crank_speeds,
-            found.reshape(*shape, -1),
+            np.array([crank_speed]),
+            found[None],
             error,
             full_turn=True,
             wanted=wanted,
         )
+    return extremes.of_speed(0)
 
 
 def strain_energy_damping(
@@ -274,8 +251,8 @@ def _systems(
     angle, speed = np.broadcast_arrays(
         np.asarray(crank_angle, dtype=float), np.asarray(crank_speed, dtype=float)
     )
-    fastest: FloatArray | float = 0.0
+    fastest = 0.0
     # At rest there are no rotation terms.
-    if angle.size and same_of_all(speed.reshape(engine.designs or 1, -1).any(axis=1)):
+    if speed.any():
         fastest = engine.fastest(engine.mechanism.linkage.motion(angle.ravel(), speed.ravel()))
     return angle, speed, Systems(engine, formulation, fastest)

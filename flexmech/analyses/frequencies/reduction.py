@@ -29,7 +29,6 @@ from flexmech.linear_system import (
     RotationTerms,
     StaticResponse,
     StressedLinks,
-    same_of_all,
 )
 from flexmech.linkages import RigidMotion
 
@@ -147,7 +146,7 @@ def converged_modes(
             return CheckedModes(detailed, system, modes, ModeErrors(none, none))
         error = reduction_error(exact, system, modes.lowest(count))
         small = error.small(modes, damped=systems.is_damped)
-        if same_of_all(small.reshape(systems.engine.designs or 1, -1).all(axis=1)):
+        if small.all():
             return CheckedModes(detailed, system, modes, error)
         logger.info(
             "component modes with detail %g are off by %.1e of a frequency and %.1e in a ratio",
@@ -175,11 +174,11 @@ def converged_along(
     ----------
     systems : Systems
     crank_angle : ndarray, shape (B,)
-        In rad; of D designs as many for each, one design after the other.
+        In rad.
     crank_speed : ndarray, shape (B,), or float
         In rad/s.
     checks : ndarray of int, shape (c,)
-        Numbers of the positions of a design that are checked, ascending.
+        Numbers of the positions that are checked, ascending.
     spare : int
         As of :func:`converged_modes`.
     stressed : StressedLinks, optional
@@ -192,21 +191,14 @@ def converged_along(
     CheckedModes
         Of the checked positions.
     """
-    designs = systems.engine.designs or 1
-    count = len(crank_angle) // designs
     speed = np.broadcast_to(crank_speed, crank_angle.shape)
-
-    def of_all_designs(numbers: IntArray) -> IntArray:
-        return (count * np.arange(designs)[:, None] + numbers).ravel()
-
-    at = of_all_designs(checks)
     if stressed is None:
-        stressed = systems.stressed(crank_angle[at], speed[at])
+        stressed = systems.stressed(crank_angle[checks], speed[checks])
     while True:
-        checked = converged_modes(systems, crank_angle[at], speed[at], spare, stressed)
-        error = checked.reduction_error.frequency.reshape(designs, len(checks), -1)
-        suspicious = np.flatnonzero(error.max(axis=(0, 2)) > SUSPICIOUS)
-        beside = of_all_designs(_beside(checks, suspicious, count, full_turn=full_turn))
+        checked = converged_modes(systems, crank_angle[checks], speed[checks], spare, stressed)
+        error = checked.reduction_error.frequency
+        suspicious = np.flatnonzero(error.max(axis=1) > SUSPICIOUS)
+        beside = _beside(checks, suspicious, len(crank_angle), full_turn=full_turn)
         if not len(beside):
             return checked
         systems = checked.systems
@@ -298,7 +290,7 @@ class UnreducedPositions:
         count = len(self.crank_angle)
         engine = self.systems.engine
         at_a_time = max(1, MATRIX_BYTES // (8 * engine.frames.size**2))
-        if at_a_time >= count or engine.designs is not None:
+        if at_a_time >= count:
             yield from self._every
         else:
             for start in range(0, count, at_a_time):

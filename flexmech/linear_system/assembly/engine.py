@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
@@ -50,7 +50,6 @@ from flexmech.validation import (
     check_choice,
     check_count,
     check_number,
-    checked_array,
 )
 
 # A map of that many frequencies needs two more, among which it tracks modes.
@@ -105,8 +104,6 @@ class Engine(EngineParameters):
     solves_connectors : bool
         Whether the engine's own equilibrium includes loads and springs; otherwise their forces
         are applied as loads.
-    members : tuple of Engine
-        Of a stack the engines of its designs; see :func:`flexmech.linear_system.stack_engines`.
     simulates : bool
         Whether the engine runs the linkage with large displacements; see
         :mod:`flexmech.time_domain.recorded_runs.states`.
@@ -116,8 +113,6 @@ class Engine(EngineParameters):
     InputError
         If the mechanism is none, the element unknown or the number of elements no such.
     """
-
-    members: tuple[Engine, ...] = ()
 
     @property
     def lumped_mass_count(self) -> int:
@@ -129,19 +124,14 @@ class Engine(EngineParameters):
         return sum(len(mass.lumps(count)) for mass, count in elements)
 
     @property
-    def designs(self) -> int | None:
-        """Number of designs of a stack."""
-        return len(self.members) or None
-
-    @property
     def batch_size(self) -> int:
         """Number of positions to hold in memory at a time."""
         entries = sum(link.size**2 for link in self.links)
         return max(LEAST_BATCH, BATCH_BYTES // (8 * 4 * entries))
 
     def batches(self, count: int) -> list[slice]:
-        """Batches of equal size for a number of positions; of a stack there is one."""
-        return equal_batches(count, self.batch_size if self.designs is None else count)
+        """Batches of equal size for a number of positions."""
+        return equal_batches(count, self.batch_size)
 
     def linear_system(
         self,
@@ -151,7 +141,7 @@ class Engine(EngineParameters):
         prestress: Prestress = "equilibrium",
         rotation_terms: bool | RotationTerms = True,
         modes: int | None = None,
-        fastest: FloatArray | float | None = None,
+        fastest: float | None = None,
         detail: float | None = None,
         stressed: StressedLinks | None = None,
     ) -> LinearSystem:
@@ -169,7 +159,7 @@ class Engine(EngineParameters):
             many as there are.
         fastest : float, optional
             Greatest angular velocity of a link in the whole map in rad/s, by which the
-            reduction is chosen, of each design (D,) of a stack; of this batch by default.
+            reduction is chosen; of this batch by default.
         detail : float, optional
             Multiplies the frequency up to which component modes are kept, whose error
             ``natural_frequencies`` measures; left out: all coordinates are kept.
@@ -196,7 +186,7 @@ class Engine(EngineParameters):
         if detail is not None:
             check_number(detail, "detail", "", POSITIVE)
         if fastest is not None:
-            checked_array(fastest, "fastest", "rad/s")
+            check_number(fastest, "fastest", "rad/s")
         terms = RotationTerms.of(rotation_terms)
         angle, speed, _ = checked_drive(crank_angle, crank_speed, 0.0)
         if not angle.size:
@@ -209,8 +199,8 @@ class Engine(EngineParameters):
             stressed = self.stressed_links(motion, prestress)
         reduction = None
         if detail is not None and self.component_modes and not self.turns_as_one_body:
-            greatest = self.fastest(motion) if fastest is None else np.abs(np.atleast_1d(fastest))
-            greatest = greatest if terms.any else 0 * greatest
+            greatest = self.fastest(motion) if fastest is None else abs(fastest)
+            greatest = greatest if terms.any else 0.0
             loaded = not stressed.unstressed and any(t.ndim == 3 for t in stressed.tangent)
             reduction = self._reduction(modes or SYSTEM_MODES, greatest, loaded, detail)
         system = assembled_system(
@@ -229,10 +219,8 @@ class Engine(EngineParameters):
             system = replace(system, **vars(matrices), carried=carried, unit_mass_from=None)
         return replace(system, rigid_modes=self.rigid_modes, circulates=self.connectors.circulates)
 
-    def _reduction(
-        self, modes: int, fastest: FloatArray, loaded: bool, detail: float
-    ) -> ComponentModes:
-        key = (modes, tuple(fastest.tolist()), loaded, detail)
+    def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
+        key = (modes, fastest, loaded, detail)
         if key not in self._reductions:
             if len(self._reductions) >= KEPT_REDUCTIONS:
                 del self._reductions[next(iter(self._reductions))]
@@ -535,18 +523,9 @@ class Engine(EngineParameters):
             return None
         return self.connectors.matrices(frames, motion, prestress, displacement)
 
-    def fastest(self, motion: RigidMotion) -> FloatArray:
-        """Greatest angular velocity of a link in a motion in rad/s, (1,); (D,) of a stack."""
-        every = np.abs(motion.angular_velocity).reshape(len(self.members) or 1, -1)
-        return np.asarray(every.max(axis=1, initial=0.0))
-
-    @property
-    def likeness_of_links(self) -> Hashable | None:
-        """What the links of several designs must have in common to be stacked.
-
-        None where the engine does not stack them.
-        """
-        return None
+    def fastest(self, motion: RigidMotion) -> float:
+        """Greatest angular velocity of a link in a motion in rad/s."""
+        return float(np.abs(motion.angular_velocity).max(initial=0.0))
 
     @property
     def turns_as_one_body(self) -> bool:

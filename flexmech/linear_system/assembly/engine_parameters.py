@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from copy import copy
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -165,7 +165,9 @@ class EngineParameters(ABC):
 
     def fit_for(self, modes: int) -> Self:
         """The engine with an element fit for so many natural frequencies, if none was asked for."""
-        if modes == self.modes or not self.chooses_element:
+        # What shear does not change in more modes it does not in fewer.
+        simplest = modes < self.modes and self.element == self.element_like("euler")
+        if modes == self.modes or simplest or not self.chooses_element:
             return self
         other = self.with_(modes=modes)
         return self if other.element == self.element else other
@@ -195,18 +197,6 @@ class EngineParameters(ABC):
         -------
         TheoryComparison
         """
-
-    @classmethod
-    def prepare_comparisons(cls, mechanisms: Sequence[Mechanism], modes: int = MODES) -> None:
-        """Find what :meth:`default_element` needs of many mechanisms at once, before it is asked.
-
-        Parameters
-        ----------
-        mechanisms : sequence of Mechanism
-        modes : int
-            As there.
-        """
-        del mechanisms, modes
 
     @classmethod
     def default_element(cls, mechanism: Mechanism, modes: int = MODES) -> str:
@@ -349,6 +339,8 @@ def checked_elements(count: object) -> int:
 NEGLIGIBLE = 0.01
 """Relative difference of a frequency up to which the simpler theory is taken: less than what the
 elastic moduli of most materials are known to."""
+SURELY = 0.5
+"""Part of it up to which what shear changes is known well enough to the first order."""
 COMPRESSED = 0.5
 """Part of the frequency at which soft layers are compressed above which no beam theory is right.
 
@@ -391,11 +383,15 @@ class TheoryComparison:
     compression : callable
         Lowest frequency in Hz at which the layers of a link are compressed; infinite without
         layers.
+    softening : callable
+        Relative change of a frequency of Euler-Bernoulli beams by shear and rotary inertia, to
+        first order; infinite where it is not known.
     """
 
     frequency: Callable[[str], FloatArray]
     eccentric: bool
     compression: Callable[[], float]
+    softening: Callable[[], float]
 
     def difference(self, theory: str, finer: str) -> TheoryDifference:
         """Greatest relative difference of a theory from a finer one over angles and modes."""
@@ -413,7 +409,9 @@ class TheoryComparison:
     @property
     def suitable(self) -> str:
         """The simplest theory whose frequencies a finer one changes negligibly."""
-        slender = self.difference("euler", "timoshenko").value <= NEGLIGIBLE
+        # To first order, where that is far enough from the limit, in half the time.
+        slender = self.softening() <= SURELY * NEGLIGIBLE
+        slender = slender or self.difference("euler", "timoshenko").value <= NEGLIGIBLE
         # Zigzag beams are between the two: what shear does not change, warping cannot.
         if slender:
             return "timoshenko" if self.eccentric else "euler"

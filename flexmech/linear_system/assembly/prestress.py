@@ -239,13 +239,11 @@ def refuse_large_displacements(
         Where a link is displaced by more than half its length; names the crank angle.
     """
     for link, q in zip(links, displacements, strict=True):
-        length = link.readings.nodes[..., -1]
         if link.rigid:
             moved = np.einsum("scn,bn->bsc", link.shape, q)
         else:
             moved = q.reshape(len(q), -1, link.readings.per_node)[:, :, :2]
-        farthest = np.linalg.norm(moved, axis=2).max(axis=1)
-        farthest = farthest / (length if motion.design is None else length[motion.design])
+        farthest = np.linalg.norm(moved, axis=2).max(axis=1) / link.readings.nodes[-1]
         too_far = farthest > FARTHEST
         refuse_positions(
             motion,

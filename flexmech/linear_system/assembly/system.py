@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.choices import LinkDirection, Prestress
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.body_forces import body_turns
-from flexmech.linear_system.links.chains import times
 from flexmech.linear_system.links.link_inertia import rigid_inertia
 from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
@@ -43,7 +42,7 @@ class LinearSystem:
         How z becomes the links' coordinates.
     expansion : ndarray, shape (B, size, n), or None
         From z to the coordinates of ``frames`` where some were condensed.
-    bases : tuple of ndarray, shape (n_full, n_link) or (D, n_full, n_link), or None
+    bases : tuple of ndarray, shape (n_full, n_link), or None
         From each reduced link's coordinates to its unreduced ones.
     unit_mass_from : int, optional
         From this coordinate on the mass matrix is the unit matrix in every position, and zero
@@ -139,7 +138,7 @@ class LinearSystem:
         moved = self.link_coordinates(vectors)
         if self.bases is None:
             return moved
-        return [times(*pair) for pair in zip(self.bases, moved, strict=True)]
+        return [basis @ q for basis, q in zip(self.bases, moved, strict=True)]
 
     def modal_weights(
         self, vectors: NDArray[Any], links: Sequence[LinkModel]
@@ -305,13 +304,13 @@ def assembled_system(
         tangent = stressed.tangent
     else:
         frames = reduction.frames
-        damping, end_damping = _damping(links, reduction, stressed, motion.design)
+        damping, end_damping = _damping(links, reduction, stressed)
         forces = _damped_ends(frames, reduction, end_damping, motion)
         bases = tuple(link.basis for link in reduction.links)
         tangent = [
             link.model.stiffness
             if tangent is full.stiffness
-            else _projected(link.basis_at(motion.design), tangent)
+            else link.basis.T @ (tangent @ link.basis)
             for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
         ]
     matrices = frames.assemble(
@@ -344,16 +343,8 @@ def assembled_system(
     )
 
 
-def _projected(basis: FloatArray, tangent: FloatArray) -> FloatArray:
-    """Tangent stiffness of a link in component modes."""
-    return np.asarray(np.swapaxes(basis, -1, -2) @ (tangent @ basis))
-
-
 def _damping(
-    links: Sequence[LinkModel],
-    reduction: ComponentModes,
-    stressed: StressedLinks,
-    design: IntArray | None,
+    links: Sequence[LinkModel], reduction: ComponentModes, stressed: StressedLinks
 ) -> tuple[list[FloatArray], list[FloatArray]] | tuple[None, None]:
     """Damping of the stressed links in component modes, and its forces by the ends alone."""
     if stressed.damping is None:
@@ -362,10 +353,9 @@ def _damping(
     for full, link, matrix in zip(links, reduction.links, stressed.damping, strict=True):
         names = ("start", "end", "start_rotation", "end_rotation")
         kept = {name: getattr(link.model, name) for name in names}
-        basis = link.basis_at(design)
-        ends = full.end_basis(link.model.size, kept) if not full.rigid else basis
-        forces = np.swapaxes(basis, -1, -2) @ matrix
-        damping.append(forces @ basis)
+        ends = full.end_basis(link.model.size, kept) if not full.rigid else link.basis
+        forces = link.basis.T @ matrix
+        damping.append(forces @ link.basis)
         end_damping.append(forces @ ends)
     return damping, end_damping
 
@@ -389,8 +379,7 @@ def _damped_ends(
         ends = link.model.ends.damping if end_damping is None else end_damping[number]
         rows = frames.targets[number][link.condensed] - first
         columns = slice(last[number] - ways[number], last[number])
-        answer = ends[..., link.condensed, :] @ link.damped_ends
-        forces[:, rows, columns] = answer if motion.design is None else answer[motion.design]
+        forces[:, rows, columns] = ends[..., link.condensed, :] @ link.damped_ends
     return forces
 
 

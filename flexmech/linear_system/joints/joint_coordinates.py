@@ -51,8 +51,6 @@ class DisplacedMotion(RigidMotion):
         links.
     slide : ndarray, shape (B, n_sliders)
         Displacement of each slider along its line in m.
-    design : ndarray of int, shape (B,), optional
-        As of :class:`RigidMotion`.
     """
 
     turn: FloatArray

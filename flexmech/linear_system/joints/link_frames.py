@@ -162,8 +162,7 @@ class LinkFrames(LinkTies):
         motion : RigidMotion
             Batch of shape (B,).
         stiffness : sequence of ndarray, shape (n, n) or (B, n, n)
-            Tangent stiffness of each link in its frame, at the chosen prestress. Of straight links
-            their own, also where it is that of several designs.
+            Tangent stiffness of each link in its frame, at the chosen prestress.
         terms : RotationTerms
         damping : sequence of ndarray, shape (n, n) or (B, n, n), optional
             At the chosen prestress; that of the straight links by default.
@@ -180,18 +179,10 @@ class LinkFrames(LinkTies):
         SystemMatrices
         """
         inertia = [link.inertia for link in self.links]
-        tangents = list(stiffness)
-        own_damping = damping is None
         if damping is None:
             damping = [link.damping for link in self.links]
             end_damping = [link.ends.damping for link in self.links]
         resisting = list(zip(damping, end_damping or damping, strict=True))
-        if (design := motion.design) is not None:
-            straight = [x is link.stiffness for x, link in zip(stiffness, self.links, strict=True)]
-            inertia = [matrices[:, design] for matrices in inertia]
-            tangents = [x[design] if own else x for x, own in zip(tangents, straight, strict=True)]
-            if own_damping:
-                resisting = [(matrix[design], ends[design]) for matrix, ends in resisting]
         for number, angles in enumerate(turns or ()):
             if (change := self.links[number].inertia_change(angles)) is not None:
                 own = inertia[number]
@@ -206,7 +197,7 @@ class LinkFrames(LinkTies):
             link_mass, gyroscopic, centrifugal_mass, end_mass, end_gyroscopic = inertia[number]
             damping_matrix, damped_ends = resisting[number]
             speed = motion.angular_velocity[:, number, None, None]
-            turning, tangent = [p.rate for p in pairs], tangents[number]
+            turning, tangent = [p.rate for p in pairs], stiffness[number]
             if terms.centripetal:
                 tangent = tangent - speed**2 * centrifugal_mass
             if terms.tangential:

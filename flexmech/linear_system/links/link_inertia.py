@@ -99,18 +99,17 @@ def rigid_inertia(link: LinkModel) -> FloatArray:
     Parameters
     ----------
     link : LinkModel
-        Or that of D designs.
 
     Returns
     -------
-    ndarray, shape (n, 4) or (D, n, 4)
+    ndarray, shape (n, 4)
         By the fields in the order of :data:`FIELDS`.
     """
     forces = np.asarray(link.mass @ np.stack([getattr(link.fields, f) for f in FIELDS], axis=-1))
-    if np.any(link.uncounted_rotary_inertia):
+    if link.uncounted_rotary_inertia:
         turning = FIELDS.index("tangential")
-        forces[..., link.end[1], turning] += link.uncounted_rotary_inertia
-        forces[..., link.start[1], turning] -= link.uncounted_rotary_inertia
+        forces[link.end[1], turning] += link.uncounted_rotary_inertia
+        forces[link.start[1], turning] -= link.uncounted_rotary_inertia
     return forces
 
 

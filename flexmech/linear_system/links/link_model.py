@@ -62,7 +62,7 @@ class EndMatrices:
     readings: LinkReadings
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LinkModel:
     """Matrices of one link in the coordinates q of its link frame.
 
@@ -112,7 +112,7 @@ class LinkModel:
         Whether the link is rigid; see :func:`flexmech.linear_system.rigid_link`.
     bodies : tuple of RigidBody
         Part of the straight link's matrices. A rigid link is one, mass off the axis one a node.
-    uncounted_rotary_inertia : float or ndarray, shape (D,)
+    uncounted_rotary_inertia : float
         Of sections, kg m, that ``mass`` leaves out; see ``rigid_inertia`` in ``link_inertia``.
     """
 
@@ -253,7 +253,7 @@ class LinkModel:
     @property
     def size(self) -> int:
         """Number of coordinates n."""
-        return int(self.mass.shape[-1])
+        return len(self.mass)
 
     @cached_property
     def mass_root(self) -> FloatArray:
@@ -302,7 +302,7 @@ class LinkModel:
             New positions of ``start`` and ``end``, and of ``start_rotation`` and
             ``end_rotation`` where they are kept.
         """
-        across = np.swapaxes(basis, -1, -2)
+        across = basis.T
 
         def project(matrix: FloatArray) -> FloatArray:
             return across @ matrix @ basis
@@ -314,7 +314,7 @@ class LinkModel:
             damping=across @ self.damping @ unit,
             readings=self.readings.projected(unit),
         )
-        size = np.abs(basis).sum(axis=tuple(range(basis.ndim - 2)))
+        size = np.abs(basis)
         axial = size[self.is_axial].sum(axis=0) > size[~self.is_axial].sum(axis=0)
         return replace(
             self,

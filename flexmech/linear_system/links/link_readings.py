@@ -31,7 +31,7 @@ class LinkReadings:
     Parameters
     ----------
     nodes : ndarray, shape (k,)
-        Node positions in m; (D, k) of a link of several designs, of which nothing is read.
+        Node positions in m.
     per_node : int
         Coordinates a node.
     displacement_shapes : callable
@@ -69,28 +69,21 @@ class LinkReadings:
         moved[..., self.polar + 1] = stretch * np.sin(angle)
         return moved
 
-    @property
-    def _own_nodes(self) -> FloatArray:
-        """Nodes of one link; those of several designs are at different places."""
-        if self.nodes.ndim > 1:
-            raise TypeError("displacements are read of one design, and not of a stack")
-        return self.nodes
-
     @cached_property
     def shape(self) -> FloatArray:
         """Displacement at evenly spaced stations from start to end, (n_stations, 2, n)."""
-        mesh = self._own_nodes, self.per_node, self.displacement_shapes, self.element_maps
+        mesh = self.nodes, self.per_node, self.displacement_shapes, self.element_maps
         return self._reduced(station_shapes(*mesh))
 
     @cached_property
     def curvature(self) -> FloatArray:
         """Bending curvature in the middle of the link, (n,)."""
-        (middle,) = self.curvatures_at(self._own_nodes[-1:] / 2)
+        (middle,) = self.curvatures_at(self.nodes[-1:] / 2)
         return np.asarray(middle)
 
     def curvatures_at(self, places: FloatArray) -> FloatArray:
         """Bending curvature at places (s,) in m from the link's start, (s, n)."""
-        mesh = self._own_nodes, self.per_node, self.slope, self.deflection
+        mesh = self.nodes, self.per_node, self.slope, self.deflection
         return self._reduced(np.stack([curvature_at(place, *mesh) for place in places.tolist()]))
 
     def bent_curvature(
@@ -105,7 +98,7 @@ class LinkReadings:
         Parameters
         ----------
         displacement : ndarray, shape (B, n)
-            Of an elastic link of one design.
+            Of an elastic link.
         places : ndarray, shape (s,)
             From the link's start in m.
         kinks : sequence of float
@@ -156,7 +149,7 @@ class LinkReadings:
 
     def displacement_at(self, fraction: FloatArray) -> FloatArray:
         """Displacement along and across at fractions (s,) of the link's length, (s, 2, n)."""
-        places = np.asarray(fraction, dtype=float) * self._own_nodes[-1]
+        places = np.asarray(fraction, dtype=float) * self.nodes[-1]
         return self._reduced(self._shapes_at(places))
 
     def rotation_at(self, fraction: float) -> FloatArray:
@@ -165,7 +158,7 @@ class LinkReadings:
 
     def rotations_at(self, fraction: FloatArray) -> FloatArray:
         """Rotation at fractions (s,) of the link's length, (s, n): of nodes, or of the axis."""
-        nodes, places = self._own_nodes, np.asarray(fraction, dtype=float) * self._own_nodes[-1]
+        nodes, places = self.nodes, np.asarray(fraction, dtype=float) * self.nodes[-1]
         nearest = np.abs(nodes - places[:, None]).argmin(axis=1)
         at_node = np.abs(nodes[nearest] - places) <= SAME_PLACE * nodes[-1]
         # Inside an element the axis is a cubic: a small difference is as good as its slope.
@@ -182,7 +175,7 @@ class LinkReadings:
 
     def _shapes_at(self, places: FloatArray) -> FloatArray:
         return shapes_at(
-            places, self._own_nodes, self.per_node, self.displacement_shapes, self.element_maps
+            places, self.nodes, self.per_node, self.displacement_shapes, self.element_maps
         )
 
     def _reduced(self, nodal: FloatArray) -> FloatArray:

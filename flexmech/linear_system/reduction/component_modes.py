@@ -36,8 +36,8 @@ that error and use the unreduced links; links that rotate as one body are never 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,12 +45,13 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.joint_coordinates import held_ends, joint_points
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import same_of_all
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import LinkEnd, Topology
 from flexmech.linkages.topology import End
 
 ENDS: tuple[End, ...] = ("start", "end")
+# Links whose modes are kept. Speed alone: a comparison of theories has found those of an engine.
+KEPT_LINKS = 8
 
 
 @dataclass(frozen=True)
@@ -168,9 +169,9 @@ class FixedInterfaceModes:
 
     Parameters
     ----------
-    frequency : ndarray, shape (..., m)
+    frequency : ndarray, shape (m,)
         Angular, in rad/s; ascending.
-    shapes : ndarray, shape (..., n, m)
+    shapes : ndarray, shape (n, m)
     """
 
     frequency: FloatArray
@@ -196,15 +197,14 @@ class FixedInterfaceModes:
         amplitudes = np.eye(link.size)[:, moving]
         if condensed is not None:
             amplitudes = constraint_modes(link.stiffness, amplitudes, condensed)[0]
-        across = np.swapaxes(amplitudes, -1, -2)
-        unit_mass = np.linalg.inv(np.linalg.cholesky(across @ (link.mass @ amplitudes))) @ across
-        turned = np.swapaxes(unit_mass, -1, -2)
-        values, vectors = np.linalg.eigh(unit_mass @ (link.stiffness @ turned))
+        mass = amplitudes.T @ (link.mass @ amplitudes)
+        turned = amplitudes @ np.linalg.inv(np.linalg.cholesky(mass)).T
+        values, vectors = np.linalg.eigh(turned.T @ (link.stiffness @ turned))
         return cls(np.sqrt(np.abs(values)), turned @ vectors)
 
-    def below(self, frequency: FloatArray) -> int:
-        """Number of modes up to an angular frequency (...) in rad/s, the same of all designs."""
-        return same_of_all((self.frequency <= np.asarray(frequency)[..., None]).sum(axis=-1))
+    def below(self, frequency: float) -> int:
+        """Number of modes up to an angular frequency in rad/s."""
+        return int((self.frequency <= frequency).sum())
 
 
 @dataclass(frozen=True)
@@ -217,8 +217,7 @@ class FixedInterfaceLink:
         Of n coordinates.
     boundary : LinkBoundary
     constraint_modes : ndarray, shape (n, b)
-        Static displacement by a unit of each boundary coordinate. These and all that follow have
-        a leading dimension where the link is of several designs.
+        Static displacement by a unit of each boundary coordinate.
     flexibility : ndarray, shape (n, n)
         Displacements by forces with the interface fixed.
     bending, axial : FixedInterfaceModes
@@ -257,14 +256,25 @@ def fix_interfaces(
     -------
     tuple of FixedInterfaceLink
     """
+    flexible = [number for number, link in enumerate(links) if not link.rigid]
+    fixed = [_fix_interface(topology, links[number]) for number in flexible]
     if couples is None:
-        couples = [np.zeros((link.size, 0)) for link in links]
-    pairs = zip(links, couples, strict=True)
-    return tuple(_fix_interface(topology, *pair) for pair in pairs if not pair[0].rigid)
+        return tuple(fixed)
+    # Modes of a link whose ends turn freely converge slowly to a spring against that.
+    return tuple(
+        replace(
+            own,
+            bending_relief=np.hstack([own.bending_relief, own.flexibility @ couples[number]]),
+        )
+        if couples[number].size
+        else own
+        for number, own in zip(flexible, fixed, strict=True)
+    )
 
 
-def _fix_interface(topology: Topology, link: LinkModel, couples: FloatArray) -> FixedInterfaceLink:
-    """Modes of a flexible link, on whose ends springs in joints exert couples (n, k)."""
+@lru_cache(maxsize=KEPT_LINKS)
+def _fix_interface(topology: Topology, link: LinkModel) -> FixedInterfaceLink:
+    """Modes of a flexible link."""
     boundary = link_boundary(topology, link)
     static, flexibility = constraint_modes(link.stiffness, boundary.unit, boundary.inner)
     relief = flexibility @ (link.mass @ static)
@@ -272,14 +282,12 @@ def _fix_interface(topology: Topology, link: LinkModel, couples: FloatArray) -> 
     # A link that no end ties to the ground moves along itself as a whole: one axial shape.
     # One with fixed ends only stretches: of a slender one far too little for inertia to matter.
     floats = bool(axial_boundary.any()) and not boundary.fixed.any()
-    axial_relief = relief[..., axial_boundary]
+    axial_relief = relief[:, axial_boundary]
     inner = boundary.inner
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
     responses = [
-        relief[..., ~axial_boundary],
-        flexibility[..., _free_ends_of_eccentric_link(link, inner)],
-        # Modes of a link whose ends turn freely converge slowly to a spring against that.
-        flexibility @ couples,
+        relief[:, ~axial_boundary],
+        flexibility[:, _free_ends_of_eccentric_link(link, inner)],
     ]
     return FixedInterfaceLink(
         link=link,
@@ -289,9 +297,9 @@ def _fix_interface(topology: Topology, link: LinkModel, couples: FloatArray) -> 
         # Where an axis off the pins couples both, bending goes along without axial force.
         bending=FixedInterfaceModes.of(link, turning, stretching),
         axial=FixedInterfaceModes.of(link, stretching),
-        bending_relief=np.concatenate(responses, axis=-1),
+        bending_relief=np.concatenate(responses, axis=1),
         axial_relief=axial_relief,
-        floating_relief=axial_relief.sum(axis=-1, keepdims=True) if floats else relief[..., :0],
+        floating_relief=axial_relief.sum(axis=1, keepdims=True) if floats else relief[:, :0],
     )
 
 
@@ -302,7 +310,7 @@ def constraint_modes(
 
     Parameters
     ----------
-    stiffness : ndarray, shape (..., n, n)
+    stiffness : ndarray, shape (n, n) or (B, n, n)
     unit : ndarray, shape (n, b)
         Unit displacements of the boundary.
     inner : ndarray of int, shape (i,)
@@ -326,7 +334,7 @@ def _free_ends_of_eccentric_link(link: LinkModel, inner: IntArray) -> IntArray:
     The force of a pin on an arm is a spring against the end's rotation, to which modes of the link
     with free rotations at its ends converge slowly.
     """
-    coupled = link.stiffness[..., link.is_axial, :][..., ~link.is_axial].any()
+    coupled = link.stiffness[link.is_axial][:, ~link.is_axial].any()
     if not (coupled or any(body.of_section for body in link.bodies)):
         return inner[:0]
     ends = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]])
@@ -358,7 +366,7 @@ NODES_A_WAVE = 2
 
 @dataclass(frozen=True)
 class ReducedLink:
-    """One link reduced to component modes, or that of D designs with this leading dimension.
+    """One link reduced to component modes.
 
     Parameters
     ----------
@@ -376,10 +384,6 @@ class ReducedLink:
     basis: FloatArray
     condensed: NDArray[np.bool_]
     damped_ends: FloatArray
-
-    def basis_at(self, designs: IntArray | None) -> FloatArray:
-        """The basis in positions (B,) of several designs, (B, n_full, n_reduced), or of one."""
-        return self.basis if designs is None else self.basis[designs]
 
 
 @dataclass(frozen=True)
@@ -413,7 +417,7 @@ def component_modes(
     topology: Topology,
     links: Sequence[LinkModel],
     modes: int,
-    fastest: FloatArray | float,
+    fastest: float,
     *,
     couples_axially: bool,
     detail: float = 1.0,
@@ -432,9 +436,8 @@ def component_modes(
         Unreduced.
     modes : int
         Number of natural frequencies asked for.
-    fastest : ndarray, shape (...)
-        Greatest angular velocity of a link in rad/s (sets which axial modes stay dynamic), of each
-        design where links are of several.
+    fastest : float
+        Greatest angular velocity of a link in rad/s (sets which axial modes stay dynamic).
     couples_axially : bool
         Whether the links may bow (prestress ``equilibrium``), so that condensed axial
         modes are needed.
@@ -460,24 +463,18 @@ def component_modes(
     Returns
     -------
     ComponentModes
-
-    Raises
-    ------
-    UnlikeDesignsError
-        If links are of several designs that do not need the same number of modes.
     """
     if fixed is None:
         fixed = fix_interfaces(topology, links)
-    lowest = [h.bending.frequency[..., :modes] for h in fixed]
-    every = np.sort(np.concatenate(lowest, axis=-1), axis=-1)
-    usual_cutoff = BENDING_CUTOFF * every[..., min(modes, every.shape[-1]) - 1]
+    every = np.sort(np.concatenate([h.bending.frequency[:modes] for h in fixed]))
+    usual_cutoff = BENDING_CUTOFF * float(every[:modes][-1])
     if axial_modes is None:
         axial_modes = round(detail * CONDENSED_AXIAL_MODES)
     reduced = (
         _reduce(
             h,
             usual_cutoff,
-            np.abs(fastest),
+            abs(fastest),
             axial_modes if couples_axially else 0,
             detail=detail,
             damped=with_damping_shapes and bool(h.link.damping.any()),
@@ -498,8 +495,8 @@ def _unreduced(link: LinkModel) -> ReducedLink:
 
 def _reduce(
     fixed: FixedInterfaceLink,
-    usual_cutoff: FloatArray,
-    fastest: FloatArray,
+    usual_cutoff: float,
+    fastest: float,
     condensed_modes: int,
     *,
     detail: float,
@@ -508,38 +505,36 @@ def _reduce(
     decouples_mass: bool,
 ) -> ReducedLink:
     """One flexible link; bending modes are kept up to ``detail`` times the usual cut-off."""
-    bending_cutoff, turning = detail * usual_cutoff, bool(same_of_all(fastest != 0))
+    bending_cutoff, turning = detail * usual_cutoff, fastest != 0
     # Short links stretch at frequencies like those at which they bend.
-    axial_cutoff = np.maximum(bending_cutoff, detail * AXIAL_CUTOFF * fastest)
+    axial_cutoff = max(bending_cutoff, detail * AXIAL_CUTOFF * fastest)
     stretches = fixed.axial.below(STRETCHING_BY_INERTIA * usual_cutoff) > 0
-    bending = fixed.bending.shapes[..., : fixed.bending.below(bending_cutoff)]
+    bending = fixed.bending.shapes[:, : fixed.bending.below(bending_cutoff)]
     n_axial = fixed.axial.below(axial_cutoff)
-    mass, axial = fixed.link.mass, fixed.axial.shapes[..., :n_axial]
-    if same_of_all((_across(bending) @ (mass @ axial)).any(axis=(-2, -1))):
+    mass, axial = fixed.link.mass, fixed.axial.shapes[:, :n_axial]
+    if (bending.T @ (mass @ axial)).any():
         axial = _complement(axial, bending, mass)
-    dynamic = np.concatenate([bending, axial], axis=-1)
+    dynamic = np.hstack([bending, axial])
     along = fixed.axial_relief if stretches else fixed.floating_relief
-    relief = np.concatenate([fixed.bending_relief, along], axis=-1)
+    relief = np.hstack([fixed.bending_relief, along])
     if damped:
-        shapes = np.concatenate([fixed.constraint_modes, dynamic], axis=-1)
-        relief = np.concatenate([relief, _damping_shapes(fixed, shapes)], axis=-1)
-    dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=-1)
-    candidates = fixed.axial.shapes[..., n_axial : max(n_axial, condensed_modes)]
+        shapes = np.hstack([fixed.constraint_modes, dynamic])
+        relief = np.hstack([relief, _damping_shapes(fixed, shapes)])
+    dynamic = np.hstack([dynamic, _complement(relief, dynamic, mass)])
+    candidates = fixed.axial.shapes[:, n_axial : max(n_axial, condensed_modes)]
     if condensed_modes and detail >= GREAT_DETAIL and turning_sections:
-        sections = _turning_sections(fixed)
-        sections = np.broadcast_to(sections, (*candidates.shape[:-1], sections.shape[-1]))
-        candidates = np.concatenate([candidates, sections], axis=-1)
+        candidates = np.hstack([candidates, _turning_sections(fixed)])
     if damped and turning:
         # Constraint modes of dependent ends without the ends: they vanish at the joints.
-        shapes = (fixed.constraint_modes - fixed.boundary.unit)[..., fixed.boundary.dependent]
-        candidates = np.concatenate([candidates, shapes], axis=-1)
+        shapes = (fixed.constraint_modes - fixed.boundary.unit)[:, fixed.boundary.dependent]
+        candidates = np.hstack([candidates, shapes])
     condensed = _complement(candidates, dynamic, mass)
     static = fixed.constraint_modes
     if decouples_mass:
-        static = static - dynamic @ (_across(dynamic) @ (mass @ static))
-    basis = np.concatenate([static, dynamic, condensed], axis=-1)
-    size = basis.shape[-1]
-    is_condensed = np.arange(size) >= size - condensed.shape[-1]
+        static = static - dynamic @ (dynamic.T @ (mass @ static))
+    basis = np.hstack([static, dynamic, condensed])
+    size = basis.shape[1]
+    is_condensed = np.arange(size) >= size - condensed.shape[1]
     answered = damped and turning and detail > 1
     return ReducedLink(
         fixed.link.projected(basis, fixed.boundary.kept),
@@ -550,25 +545,24 @@ def _reduce(
 
 
 def _damped_ends(fixed: FixedInterfaceLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
-    """Motions (..., n_reduced, r) of dependent ends whose damping deforms condensed shapes."""
+    """Motions (n_reduced, r) of dependent ends whose damping deforms condensed shapes."""
     link, dependent = fixed.link, fixed.boundary.dependent
     force = link.damping @ fixed.boundary.unit[:, dependent]
-    whole = (force * (fixed.flexibility @ force)).sum(axis=-2)
+    whole = (force * (fixed.flexibility @ force)).sum(axis=0)
     scale = 1 / np.sqrt(np.where(whole > 0, whole, np.inf))
-    part = _across(condensed) @ force * scale[..., None, :]
-    stiffness = _across(condensed) @ (link.stiffness @ condensed)
-    values, combination = np.linalg.eigh(_across(part) @ np.linalg.solve(stiffness, part))
-    combination = _greatest(values > ROUND_OFF_SHAPE**2, combination)
-    ways = np.zeros((*basis.shape[:-2], basis.shape[-1], combination.shape[-1]))
-    ways[..., dependent, :] = scale[..., None] * combination
+    part = condensed.T @ force * scale
+    stiffness = condensed.T @ (link.stiffness @ condensed)
+    values, combination = np.linalg.eigh(part.T @ np.linalg.solve(stiffness, part))
+    combination = combination[:, values > ROUND_OFF_SHAPE**2]
+    ways = np.zeros((basis.shape[1], combination.shape[1]))
+    ways[dependent] = scale[:, None] * combination
     return ways
 
 
 def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
     """Shapes (n, m) whose sections rotate and warp in waves without displacement of the axis."""
     link = fixed.link
-    # Of several designs alike.
-    across = link.fields.across.reshape(-1, link.size)[0]
+    across = link.fields.across
     of_sections = np.flatnonzero(~link.is_axial & (across == 0))
     nodes = int(np.count_nonzero(across))
     place = np.linspace(0, 1, nodes)
@@ -581,42 +575,28 @@ def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
 
 
 def _damping_shapes(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatArray:
-    """Static responses (..., n, m) to the damping forces of shapes beyond one damping time.
+    """Static responses (n, m) to the damping forces of shapes beyond one damping time.
 
     With one damping time the forces vanish on a constraint mode, and leave a mode a mode.
     """
     link, inner = fixed.link, fixed.boundary.inner
     if not len(inner):
-        return shapes[..., :0]
-    trace = (fixed.flexibility * link.damping).sum(axis=(-2, -1))
-    time = trace[..., None, None] / len(inner)
+        return shapes[:, :0]
+    time = (fixed.flexibility * link.damping).sum() / len(inner)
     unlike = (link.damping @ shapes) / time - link.stiffness @ shapes
     responses = fixed.flexibility @ unlike
-    response, shape = ((x * (link.mass @ x)).sum(axis=-2) for x in (responses, shapes))
-    kept = (response > ROUND_OFF_SHAPE**2 * shape).reshape(-1, shapes.shape[-1])
-    # Which are kept, as a number.
-    same_of_all(np.unique(kept, axis=0, return_inverse=True)[1].ravel())
-    return np.asarray(responses[..., kept[0]])
+    response, shape = ((x * (link.mass @ x)).sum(axis=0) for x in (responses, shapes))
+    return np.asarray(responses[:, response > ROUND_OFF_SHAPE**2 * shape])
 
 
 def _complement(vectors: FloatArray, others: FloatArray, mass: FloatArray) -> FloatArray:
     """Mass-orthonormal complement of ``vectors`` to mass-orthonormal ``others``."""
-    if not vectors.shape[-1]:
+    if not vectors.shape[1]:
         return vectors
-    scale = np.sqrt((vectors * (mass @ vectors)).sum(axis=-2, keepdims=True))
+    scale = np.sqrt((vectors * (mass @ vectors)).sum(axis=0))
     rest = vectors / np.where(scale > 0, scale, 1.0)
     for _ in range(2):  # twice is enough against round-off
-        rest = rest - others @ (_across(others) @ (mass @ rest))
-    values, combination = np.linalg.eigh(_across(rest) @ (mass @ rest))
-    new = _greatest(values > ROUND_OFF_SHAPE**2, combination)
-    sizes = values[..., None, values.shape[-1] - new.shape[-1] :]
-    return np.asarray(rest @ new / np.sqrt(sizes), dtype=float)
-
-
-def _greatest(chosen: NDArray[np.bool_], vectors: FloatArray) -> FloatArray:
-    """Vectors (..., k, r) of the greatest eigenvalues, which are chosen (..., k), of vectors."""
-    return vectors[..., chosen.shape[-1] - same_of_all(chosen.sum(axis=-1)) :]
-
-
-def _across(vectors: FloatArray) -> FloatArray:
-    return np.swapaxes(vectors, -1, -2)
+        rest = rest - others @ (others.T @ (mass @ rest))
+    values, combination = np.linalg.eigh(rest.T @ (mass @ rest))
+    new = values > ROUND_OFF_SHAPE**2
+    return np.asarray(rest @ combination[:, new] / np.sqrt(values[new]))

@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_ties import DependentRows
-from flexmech.linear_system.links.chains import times
 from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.reduction.component_modes import (
@@ -74,10 +73,6 @@ class StaticResponse:
             np.swapaxes(modes, -1, -2) @ (matrix @ modes)
             for (modes, _), matrix in zip(self._modes, tangent, strict=True)
         ]
-        if (design := self.motion.design) is not None:
-            stiffness = [
-                k if k.ndim == 2 or len(k) == len(design) else k[design] for k in stiffness
-            ]
         # The links by their ends alone, whose stiffness is given.
         ends = [own.link.projected(own.boundary.unit, own.boundary.kept) for own in self.links]
         frames = LinkFrames(self.topology, ends)
@@ -100,11 +95,11 @@ class StaticResponse:
         real = [_as_real(force) for force in forces]
         frames, flexibility = self._ends
         pairs = zip(self._modes, real, strict=True)
-        on_ends = [times(np.swapaxes(modes, -1, -2), force) for (modes, _), force in pairs]
+        on_ends = [np.swapaxes(modes, -1, -2) @ force for (modes, _), force in pairs]
         z = flexibility @ frames.gather(self.motion, on_ends)
         ends = frames.link_coordinates(self.motion, z)
         moved = [
-            times(modes, end) + times(inner, force)
+            modes @ end + inner @ force
             for (modes, inner), end, force in zip(self._modes, ends, real, strict=True)
         ]
         return [_as_given(*pair) for pair in zip(moved, forces, strict=True)]
@@ -207,29 +202,29 @@ class LinkPencil:
         """Forces on a link by its coordinates, their rates by its ends, and those of these."""
         terms, (rows, rate, change) = self.terms, ends
         mass, gyroscopic, stressed = link.mass, link.gyroscopic, self.stressed
-        inertia = times(mass, q)
+        inertia = mass @ q
         tangent = link.stiffness if stressed.unstressed else stressed.tangent[number]
         damping = link.damping if stressed.damping is None else stressed.damping[number]
-        by_rate, by_place = np.zeros_like(q), times(tangent, q)
+        by_rate, by_place = np.zeros_like(q), tangent @ q
         if damping.any():
-            by_rate += times(damping, q)
+            by_rate += damping @ q
             if terms.coriolis:
-                by_place += times(damping[..., rows], rate)
+                by_place += damping[..., rows] @ rate
         speed = self.motion.angular_velocity[:, number, None, None]
         if terms.coriolis or terms.tangential:
-            momentum = times(gyroscopic, q)
+            momentum = gyroscopic @ q
         if terms.coriolis:
             by_rate += 2 * (speed * momentum)
             if len(rows):
-                by_rate += times(2 * mass[..., rows], rate)
+                by_rate += 2 * mass[..., rows] @ rate
         if terms.centripetal:
-            by_place -= speed**2 * times(link.centrifugal_mass, q)
+            by_place -= speed**2 * (link.centrifugal_mass @ q)
             if len(rows):
-                by_place += times(2 * gyroscopic[..., rows], speed * rate)
+                by_place += 2 * gyroscopic[..., rows] @ (speed * rate)
         if terms.tangential:
             by_place += self.motion.angular_acceleration[:, number, None, None] * momentum
         if (terms.centripetal or terms.tangential) and len(rows):
-            by_place += times(mass[..., rows], change)
+            by_place += mass[..., rows] @ change
         return inertia, by_rate, by_place
 
 

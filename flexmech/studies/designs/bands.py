@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.default_engines import engine_kind
-from flexmech.analyses.designs import of_designs
 from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.frequencies.positions import frequencies_at
-from flexmech.arrays import FloatArray, IntArray
-from flexmech.errors import FlexmechError
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
 from flexmech.studies.designs.design import turn
-from flexmech.studies.designs.evaluation import built
+from flexmech.studies.designs.evaluation import design_of, guarded
 from flexmech.studies.designs.outputs import OF_FREQUENCIES, Output
 from flexmech.studies.designs.study import Study
 
@@ -96,18 +96,14 @@ def bands_table(bands: xr.DataArray) -> pd.DataFrame:
 
 def _frequencies(study: Study, output: Output, designs: FloatArray) -> list[FloatArray]:
     """Frequencies (angles, modes) of the designs that have some."""
-    made, _, _ = built(study, engine_kind(study.engine)(study.mechanism), designs)
-    every = list(made.values())
-    modes = max(output.mode, 3)
-    angles = turn(output.angles)
-    speeds = np.array([output.speed_of(design) for design in every])
+    engine = engine_kind(study.engine)(study.mechanism)
+    found = (guarded(partial(_of_one, study, engine, output, row))[0] for row in designs)
+    return [own for own in found if own is not None]
 
-    def compute(engine: Engine, numbers: IntArray) -> list[FloatArray]:
-        shape = (len(numbers), len(angles))
-        angle = np.broadcast_to(angles, shape).ravel()
-        speed = np.repeat(speeds[numbers], len(angles))
-        formulation = Formulation(output.prestress, True, modes)
-        return [*frequencies_at(engine, angle, speed, formulation).reshape(*shape, modes)]
 
-    found = of_designs([design.engine.fit_for(modes) for design in every], compute)
-    return [each for each in found if not isinstance(each, FlexmechError)]
+def _of_one(study: Study, engine: Engine, output: Output, row: FloatArray) -> FloatArray:
+    """Frequencies (angles, modes) of one design."""
+    modes, design = max(output.mode, 3), design_of(study, engine, row)
+    formulation = Formulation(output.prestress, True, modes)
+    angles, speed = turn(output.angles), output.speed_of(design)
+    return frequencies_at(design.engine.fit_for(modes), angles, speed, formulation)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -15,7 +14,7 @@ from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
-from flexmech.errors import FlexmechError, InputError, suggestion
+from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.linkages import InverseDynamics
 from flexmech.mechanism import Mechanism
@@ -39,6 +38,10 @@ class FrequencyNeeds(NamedTuple):
     modes: int
 
 
+ExtremesWanted = frozenset[tuple[int, int]]
+"""Pairs of 0 for the lowest or 1 for the highest frequency of a turn, and the number of a mode."""
+
+
 @dataclass(frozen=True, eq=False)
 class Design:
     """One design.
@@ -56,7 +59,8 @@ class Design:
     engine: Engine
     model: Mechanism
     varied_speed: float | None = None
-    _maps: dict[FrequencyNeeds, Extremes | FlexmechError] = field(default_factory=dict, repr=False)
+    _wanted: dict[FrequencyNeeds, ExtremesWanted] = field(default_factory=dict, repr=False)
+    _maps: dict[FrequencyNeeds, Extremes] = field(default_factory=dict, repr=False)
     _runs: dict[float, object] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -88,15 +92,28 @@ class Design:
             If there are none.
         """
         if needs not in self._maps:
-            find_frequencies([(self, needs, every_extreme(needs.modes))])
-        found = self._maps[needs]
-        if isinstance(found, FlexmechError):
-            raise found
-        return found
+            sought = np.zeros((2, needs.modes), dtype=bool)
+            wanted = self._wanted.get(needs, every_extreme(needs.modes))
+            sought[tuple(np.array(sorted(wanted)).T)] = True
+            self._maps[needs] = frequency_extremes(
+                self.engine,
+                turn(needs.angles),
+                needs.speed,
+                modes=needs.modes,
+                prestress=needs.prestress,
+                wanted=sought,
+            )
+        return self._maps[needs]
 
-    def keep(self, needs: FrequencyNeeds, found: Extremes | FlexmechError) -> None:
-        """Keep frequencies, or why there are none, for the outputs that need them."""
-        self._maps[needs] = found
+    def want(self, needs: FrequencyNeeds, extremes: ExtremesWanted) -> None:
+        """Note which extremes an output seeks between the crank angles, before any is found.
+
+        Parameters
+        ----------
+        needs : FrequencyNeeds
+        extremes : frozenset of (int, int)
+        """
+        self._wanted[needs] = self._wanted.get(needs, frozenset()) | extremes
 
     def forces_at(self, crank_angle: FloatArray, speed: float) -> InverseDynamics:
         """Joint forces and torque of the rigid linkage at crank angles (A,) in rad.
@@ -138,45 +155,9 @@ class Design:
         return float(abs(peaks).max())
 
 
-ExtremesWanted = frozenset[tuple[int, int]]
-"""Pairs of 0 for the lowest or 1 for the highest frequency of a turn, and the number of a mode."""
-
-
 def every_extreme(modes: int) -> ExtremesWanted:
     """The lowest and the highest frequency of so many modes."""
     return frozenset((end, mode) for end in (0, 1) for mode in range(modes))
-
-
-def find_frequencies(
-    wanted: Sequence[tuple[Design, FrequencyNeeds, ExtremesWanted]],
-) -> None:
-    """Find natural frequencies of many designs at once, so that each has its own at hand.
-
-    Parameters
-    ----------
-    wanted : sequence of (Design, FrequencyNeeds, frozenset)
-        With the extremes that are to be sought between the crank angles.
-    """
-    together: dict[tuple[Design, FrequencyNeeds], ExtremesWanted] = {}
-    for design, needs, extremes in wanted:
-        together[design, needs] = together.get((design, needs), frozenset()) | extremes
-    alike: dict[tuple[Prestress, int, int, ExtremesWanted], list[tuple[Design, FrequencyNeeds]]]
-    alike = {}
-    for (design, needs), extremes in together.items():
-        alike.setdefault((*needs[1:], extremes), []).append((design, needs))
-    for (prestress, angles, modes, extremes), pairs in alike.items():
-        sought = np.zeros((2, modes), dtype=bool)
-        sought[tuple(np.array(sorted(extremes)).T)] = True
-        found = frequency_extremes(
-            [design.engine for design, _ in pairs],
-            turn(angles),
-            np.array([needs.speed for _, needs in pairs]),
-            modes=modes,
-            prestress=prestress,
-            wanted=sought,
-        )
-        for (design, needs), own in zip(pairs, found, strict=True):
-            design.keep(needs, own)
 
 
 def turn(count: int) -> FloatArray:

@@ -14,9 +14,7 @@ from flexmech.analyses.default_engines import engine_kind
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import AssemblyError, FlexmechError, LockingError, one_line
 from flexmech.linear_system import BucklingError, Engine, EquilibriumError
-from flexmech.mechanism import Mechanism
-from flexmech.studies.designs.design import Design, find_frequencies
-from flexmech.studies.designs.outputs import COSTLY, OF_FREQUENCIES
+from flexmech.studies.designs.design import Design
 from flexmech.studies.designs.study import Study
 from flexmech.studies.designs.variables import CRANK_SPEED, as_values
 
@@ -31,9 +29,6 @@ _KINDS: tuple[tuple[type[FlexmechError], Status], ...] = (
     (EquilibriumError, "no_equilibrium"),
     (FlexmechError, "refused"),
 )
-# Designs whose frequencies are computed at once, and crank angles of them all: 16 designs take a
-# third of the time of 16 single ones, more gain little, and a worker has half a second of work.
-_MOST_AT_ONCE, _ANGLES_AT_ONCE = 16, 1024
 MOST_LETTERS = 240
 """Of a reason."""
 Found = TypeVar("Found")
@@ -73,16 +68,12 @@ class Task(NamedTuple):
 
 
 def evaluate_task(study: Study, designs: FloatArray, finer: int = 1) -> Task:
-    """Compute the outputs of designs, so many at once as pays, and how long that takes.
-
-    Which designs are computed at once changes the last bits of their numbers: it depends on the
-    study alone, so that these are the same however designs are given to workers.
+    """Compute the outputs of designs, and how long that takes.
 
     Parameters
     ----------
     study : Study
     designs : ndarray, shape (n, k)
-        From a multiple of :func:`designs_at_once` on.
     finer : int
         As in :func:`evaluate`.
 
@@ -90,32 +81,9 @@ def evaluate_task(study: Study, designs: FloatArray, finer: int = 1) -> Task:
     -------
     Task
     """
-    begun, size = time.perf_counter(), designs_at_once(study)
-    starts = range(0, len(designs), size)
-    found = joined([evaluate(study, designs[start : start + size], finer) for start in starts])
+    begun = time.perf_counter()
+    found = evaluate(study, designs, finer)
     return Task(found, time.perf_counter() - begun)
-
-
-def designs_at_once(study: Study) -> int:
-    """How many designs are computed at once: it pays for natural frequencies of the reference.
-
-    Parameters
-    ----------
-    study : Study
-
-    Returns
-    -------
-    int
-        One of what takes a second or more a design.
-    """
-    outputs = study.outputs.values()
-    if study.engine != "reference" or any(one.quantity in COSTLY for one in outputs):
-        return 1
-    maps = {
-        (one.speed, one.prestress, one.angles) for one in outputs if one.quantity in OF_FREQUENCIES
-    }
-    angles = max(sum(angles for *_, angles in maps), 1)
-    return int(np.clip(_ANGLES_AT_ONCE // angles, 1, _MOST_AT_ONCE))
 
 
 def joined(parts: Sequence[Evaluated]) -> Evaluated:
@@ -152,64 +120,47 @@ def evaluate(study: Study, designs: FloatArray, finer: int = 1) -> Evaluated:
         }
         study = replace(study, outputs=outputs)
     values = np.full((len(designs), len(study.outputs)), np.nan)
-    made, status, reasons = built(study, engine, designs)
-    pairs = [(design, output) for design in made.values() for output in study.outputs.values()]
-    needed = [(design, output.needs_of(design), output.extremes) for design, output in pairs]
-    find_frequencies([(d, needs, extremes) for d, needs, extremes in needed if needs is not None])
-    for number, design in made.items():
-        numbers, status[number], reasons[number] = _guarded(lambda: _of_one(study, design))  # noqa: B023
-        if numbers is not None:
-            values[number] = numbers
+    status, reasons = np.zeros(len(designs), dtype=np.intp), [""] * len(designs)
+    for number, row in enumerate(designs):
+        found, status[number], reasons[number] = guarded(
+            lambda: _outputs_of(study, design_of(study, engine, row))  # noqa: B023
+        )
+        if found is not None:
+            values[number] = found
     return Evaluated(values, status, reasons)
 
 
-def built(
-    study: Study, engine: Engine, designs: FloatArray
-) -> tuple[dict[int, Design], IntArray, list[str]]:
-    """Designs with their engines.
+def design_of(study: Study, engine: Engine, row: FloatArray) -> Design:
+    """A design with its engine.
 
     Parameters
     ----------
     study : Study
     engine : Engine
         Of the study's mechanism.
-    designs : ndarray, shape (n, k)
+    row : ndarray, shape (k,)
+        Values of the variables.
 
     Returns
     -------
-    dict of int to Design
-        Those that can be, by their numbers.
-    ndarray of int, shape (n,)
-        Number in :data:`STATUSES`.
-    list of str
-        Reasons, empty of those that can be.
+    Design
+
+    Raises
+    ------
+    FlexmechError
+        If the mechanism cannot be so.
     """
-    status = np.zeros(len(designs), dtype=np.intp)
-    reasons = [""] * len(designs)
-    stated = [dict(as_values(study.variables, row)) for row in designs]
-    speeds = [own.pop(CRANK_SPEED, None) for own in stated]
-    mechanisms: dict[int, Mechanism] = {}
-    for number, own in enumerate(stated):
-        built, status[number], reasons[number] = _guarded(
-            lambda: study.parameters.mechanism_with(own)  # noqa: B023
-        )
-        if built is not None:
-            mechanisms[number] = built
-    if engine.chooses_element:
-        engine.prepare_comparisons([*mechanisms.values()], engine.modes)
-    made: dict[int, Design] = {}
-    for number, mechanism in mechanisms.items():
-        found, status[number], reasons[number] = _guarded(
-            lambda: study.parameters.engine_with(engine, stated[number], mechanism)  # noqa: B023
-        )
-        if found is not None:
-            speed = speeds[number]
-            made[number] = Design(found, study.mechanism, None if speed is None else float(speed))
-    return made, status, reasons
+    stated = dict(as_values(study.variables, row))
+    speed = stated.pop(CRANK_SPEED, None)
+    found = study.parameters.engine_with(engine, stated)
+    return Design(found, study.mechanism, None if speed is None else float(speed))
 
 
-def _of_one(study: Study, design: Design) -> list[float]:
+def _outputs_of(study: Study, design: Design) -> list[float]:
     """Outputs of one design."""
+    for output in study.outputs.values():
+        if (needs := output.needs_of(design)) is not None:
+            design.want(needs, output.extremes)
     found = [output.of(design) for output in study.outputs.values()]
     missing = [
         name for name, value in zip(study.outputs, found, strict=True) if not np.isfinite(value)
@@ -219,8 +170,23 @@ def _of_one(study: Study, design: Design) -> list[float]:
     return found
 
 
-def _guarded(compute: Callable[[], Found]) -> tuple[Found | None, int, str]:
-    """What a computation gives, or what became of it."""
+def guarded(compute: Callable[[], Found]) -> tuple[Found | None, int, str]:
+    """What a computation gives, or what became of it.
+
+    Parameters
+    ----------
+    compute : callable
+        Of one design.
+
+    Returns
+    -------
+    found : object or None
+        What it gives; None if it fails.
+    status : int
+        Number in :data:`STATUSES`.
+    reason : str
+        Empty where it does not fail.
+    """
     try:
         return compute(), 0, ""
     except FlexmechError as error:

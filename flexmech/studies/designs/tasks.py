@@ -11,12 +11,7 @@ import numpy as np
 from flexmech.analyses.stability.parallel import loss_of_workers
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress, silent
 from flexmech.errors import InputError
-from flexmech.studies.designs.evaluation import (
-    Evaluated,
-    Task,
-    designs_at_once,
-    evaluate_task,
-)
+from flexmech.studies.designs.evaluation import Evaluated, Task, evaluate_task
 from flexmech.studies.designs.study import Study
 
 # In s, of a task: so much is lost where a worker is killed, and milliseconds hand it over.
@@ -65,8 +60,6 @@ def computed_tasks(
 ) -> Iterator[tuple[IntArray, Evaluated]]:
     """Outputs of the pending ones of some designs, task by task, in the order in which these end.
 
-    Designs that are computed at once are pending together: see :func:`evaluate_task`.
-
     Parameters
     ----------
     study : Study
@@ -96,7 +89,7 @@ def computed_tasks(
     """
     check_executor(executor)
     report = progress or silent
-    plan = _Plan.of(pending, len(designs), designs_at_once(study), executor)
+    plan = _Plan.of(pending, executor)
     done, total = len(designs) - len(plan.left), len(designs)
     report(label, done, total)
     ended = _here(study, designs, plan, finer)
@@ -141,26 +134,22 @@ class _Plan:
     Parameters
     ----------
     left : ndarray of int, shape (p,)
-    at_once : int
-        Designs that are computed at once, from a multiple of it on.
     workers : int
     shares : bool
         Whether the last tasks are made small for all workers to end together.
     """
 
     left: IntArray
-    at_once: int
     workers: int
     shares: bool
     cost: float = np.inf
     longest: int = 0
 
     @classmethod
-    def of(cls, pending: IntArray, total: int, at_once: int, executor: Executor | None) -> _Plan:
-        """The plan for an executor; what is computed at once is pending as a whole."""
-        left = np.flatnonzero(np.isin(np.arange(total) // at_once, np.unique(pending // at_once)))
+    def of(cls, pending: IntArray, executor: Executor | None) -> _Plan:
+        """The plan for an executor."""
         workers = 1 if executor is None else getattr(executor, "_max_workers", None) or _WORKERS
-        return cls(left, at_once, workers, executor is not None)
+        return cls(pending, workers, executor is not None)
 
     def measure(self, task: Task) -> None:
         """Note what the designs of a task have cost."""
@@ -173,7 +162,7 @@ class _Plan:
         size = min(_SECONDS / max(self.cost, 1e-9), _MOST, _GROWTH * self.longest)
         if self.shares:
             size = min(size, len(self.left) / (_AHEAD * self.workers))
-        size = max(int(size) // self.at_once, 1) * self.at_once
+        size = max(int(size), 1)
         # Up to the first gap, which a study that goes on has between what was computed.
         gap = np.flatnonzero(np.diff(self.left[:size]) > 1)
         numbers = self.left[: int(gap[0]) + 1 if len(gap) else size]
