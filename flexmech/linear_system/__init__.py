@@ -39,7 +39,11 @@ from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.system import LinearSystem, condense, point_rows
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.link_ties import DependentRows
+from flexmech.linear_system.joints.link_ties import (
+    DependentRows,
+    DisplacedTies,
+    RigidGeometricStiffness,
+)
 from flexmech.linear_system.joints.position_errors import (
     LESS_LOADED,
     BucklingError,
@@ -49,7 +53,6 @@ from flexmech.linear_system.joints.position_errors import (
     TooManyModesError,
     refuse_positions,
 )
-from flexmech.linear_system.joints.rigid_pose import DisplacedTies, RigidGeometricStiffness
 from flexmech.linear_system.links.body_forces import (
     DeadMoments,
     DisplacedInertia,

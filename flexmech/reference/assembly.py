@@ -94,7 +94,7 @@ class LinkRows:
         if self._of_rigid is not None:
             assert ties.displaced is not None
             return np.moveaxis(
-                ties.displaced.pose.coordinates[:, self._of_rigid, : len(self.columns)], 0, -1
+                ties.displaced.coordinates[:, self._of_rigid, : len(self.columns)], 0, -1
             )
         turns = [ties.turns[self.link][number] for number, _, _ in self._ties]
         batch = turns[0].shape[2] if turns else 1
@@ -208,7 +208,7 @@ class LinkageAssembly:
         for link, (target, q) in enumerate(zip(self.frames.targets, displacement, strict=True)):
             own = self.frames.independent_coordinates(link)
             z[target[own]] = q.T[own]
-        pose = self.frames.displaced_ties_by(motion, displacement).pose
+        pose = self.frames.displaced_ties_by(motion, displacement)
         z[: self._rigid_count] = pose.y[:, self.frames.rigid.independent_coordinates].T
         return z
 
@@ -398,8 +398,8 @@ class _End:
             angle = motion.angle[:, self.by_z.link]
             return self.sign * np.stack([direction(angle).T, normal(angle).T], axis=1)
         assert displaced is not None
-        own = displaced.pose.rigid.of_link(self.by_z.link)
-        moved = displaced.pose.rows([self.point])[:, :, own]
+        own = displaced.rigid.of_link(self.by_z.link)
+        moved = displaced.jacobian_of([self.point])[:, :, own]
         return np.asarray(self.sign * np.moveaxis(moved, 0, -1))
 
 
@@ -467,7 +467,7 @@ class RadialSprings:
                     gap = gap + np.einsum("crb,rb->cb", by_link, q)
                 else:
                     assert displaced is not None
-                    gap = gap + end.sign * displaced.pose.displacement([end.point])[:, 0].T
+                    gap = gap + end.sign * displaced.displacement([end.point])[:, 0].T
             force = stiffness * gap
             for end, by_link in zip(ends, moved, strict=True):
                 forces[end.by_z.link][end.rows] += np.einsum("crb,cb->rb", by_link, force)

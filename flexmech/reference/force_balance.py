@@ -191,7 +191,7 @@ class ForceBalance:
             found = _geometric_stiffness(
                 ties.displaced, unbalanced, dead, displacement, rotation_stiffness
             )
-            rigid = ties.displaced.matrix(found)
+            rigid = found.projected(self.frames.rigid, ties.displaced.coordinates)
         coupled = (
             rows.turned(self._couplings[link].stiffness, ties)
             for link, rows in self._coupled.items()

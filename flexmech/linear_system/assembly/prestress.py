@@ -20,13 +20,13 @@ import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.joints.link_ties import RigidGeometricStiffness
 from flexmech.linear_system.joints.position_errors import (
     LESS_LOADED,
     BucklingError,
     EquilibriumError,
     refuse_positions,
 )
-from flexmech.linear_system.joints.rigid_pose import RigidGeometricStiffness
 from flexmech.linear_system.links.body_forces import DeadMoments, DisplacedInertia
 from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.link_model import LinkModel, StressedLinks

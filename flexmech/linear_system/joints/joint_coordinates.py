@@ -16,7 +16,6 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linear_system.joints.position_errors import refuse_positions
@@ -217,12 +216,7 @@ class JointCoordinates:
         of_ends = (independent >= 3 * len(self.links)) & (independent < count)
         self.independent_coordinates = independent[~of_ends]
         self.w = np.concatenate([self.independent_coordinates, independent[of_ends]])
-        self._determining: dict[BodyPoint | tuple[int, ...], NDArray[np.bool_]] = {}
         self.receding = [end for end in self.ends if end in self._hubs]
-        self.chosen = np.zeros((self.size, len(self.w) + len(self.receding)))
-        self.chosen[self.w, np.arange(len(self.w))] = 1.0
-        for number, end in enumerate(self.receding):
-            self.chosen[self.of_end(end)[0], len(self.w) + number] = self._hubs[end]
 
     @property
     def are_finite(self) -> bool:
@@ -301,26 +295,40 @@ class JointCoordinates:
         ComputationError
             Where the independent ones do not determine the others; names the crank angle.
         """
-        batch, dependent = len(motion.crank_angle), self.dependent_coordinates
+        dependent = self.dependent_coordinates
         if not len(dependent):
-            zero = np.broadcast_to(0.0, (batch, *self.chosen.shape))
-            return MatrixWithRates(np.broadcast_to(self.chosen, zero.shape), zero, zero, zero)
+            of_all = np.broadcast_to(
+                self._of_chosen, (len(motion.crank_angle), *self._of_chosen.shape)
+            )
+            zero = np.broadcast_to(0.0, of_all.shape)
+            return MatrixWithRates(of_all, zero, zero, zero)
         jacobian = self.constraints.jacobian_with_rates(*self.bodies(motion)).rows(self.rows)
         across = jacobian.columns(dependent)
         self.refuse_locked(motion, across.value)
-        parts = np.zeros((4, batch, *self.chosen.shape))
-        parts[0] = self.chosen
-        parts[:, :, dependent, : len(self.w)] = across.solve(-jacobian.columns(self.w)).parts
-        return MatrixWithRates(*parts)
+        return MatrixWithRates(*self._completed(across.solve(-jacobian.columns(self.w)).parts))
 
     def finite_dependence(self, jacobian: FloatArray) -> FloatArray:
         """Derivative of all coordinates by w, (B, size, n), by a Jacobian (B, d, size)."""
-        dependent = self.dependent_coordinates
-        moved = np.tile(self.chosen, (len(jacobian), 1, 1))
-        if len(dependent):
-            solved = np.linalg.solve(jacobian[:, :, dependent], jacobian[:, :, self.w])
-            moved[:, dependent, : len(self.w)] = -solved
-        return moved
+        across, by_w = jacobian[:, :, self.dependent_coordinates], jacobian[:, :, self.w]
+        (value,) = self._completed([-np.linalg.solve(across, by_w)])
+        return np.asarray(value)
+
+    def _completed(self, dependent: Sequence[FloatArray]) -> FloatArray:
+        """All coordinates by w: value and rates (k, B, size, n), from dependent ones (B, d, n)."""
+        parts = np.zeros((len(dependent), len(dependent[0]), *self._of_chosen.shape))
+        parts[0] = self._of_chosen
+        for part, own in zip(parts, dependent, strict=True):
+            part[:, self.dependent_coordinates, : len(self.w)] = own
+        return parts
+
+    @cached_property
+    def _of_chosen(self) -> FloatArray:
+        """Coordinates (size, n) by the independent ones, without the dependent ones."""
+        chosen = np.zeros((self.size, len(self.w) + len(self.receding)))
+        chosen[self.w, np.arange(len(self.w))] = 1.0
+        for number, end in enumerate(self.receding):
+            chosen[self.of_end(end)[0], len(self.w) + number] = self._hubs[end]
+        return chosen
 
     def leader(self, point: JoinedEnds) -> BodyPoint | None:
         """Point of a line, of a rigid link or of an end on which other ends at a joint depend.
@@ -361,29 +369,14 @@ class JointCoordinates:
         """
         return self.constraints.points(points).jacobian_with_rates(*self.bodies(motion))
 
-    def determining(self, source: BodyPoint | IntArray) -> NDArray[np.bool_]:
-        """Which of w, and of what recedes, determine a point or some of these coordinates, (n,).
-
-        In a general position, once and for all.
-        """
-        key = source if isinstance(source, BodyPoint) else tuple(source.tolist())
-        if key not in self._determining:
-            motion, y = self.general_position, self._general_dependence
-            if isinstance(source, BodyPoint):
-                by = self.displacement_rows(motion, [source]).value @ y
-            else:
-                by = y[:, source]
-            size = np.abs(by[0]).max(axis=0, initial=0.0)
-            self._determining[key] = size > RANK_TOLERANCE
-        return self._determining[key]
-
     @cached_property
     def general_position(self) -> RigidMotion:
         """One generic position for rank decisions; the links need not meet in it."""
         return general_position(self.topology)
 
     @cached_property
-    def _general_dependence(self) -> FloatArray:
+    def general_dependence(self) -> FloatArray:
+        """Derivative of all coordinates by w in that position, (1, size, n)."""
         return self.dependence(self.general_position).value
 
     def _leading_ends(self) -> Iterator[LinkEnd]:

@@ -360,7 +360,7 @@ class OrbitEquations:
             by_rotation[number] = virial - square * body.central_inertia
         for push in pushes:
             if (link := push.point.link) in by_rotation:
-                turned = self.motion.angle[:, link] + ties.pose.displaced.turn[:, link]
+                turned = self.motion.angle[:, link] + ties.displaced.turn[:, link]
                 along = np.sum(direction(turned) * push.force, axis=1)
                 by_rotation[link] = by_rotation[link] + push.point.x * along
         geometric = ties.geometric_stiffness([-force for force in forces], by_rotation)
