@@ -71,7 +71,7 @@ class LinkRows:
         self._ties: list[tuple[int, IntArray, tuple[IntArray, IntArray]]] = []
         if frames.links[link].rigid:
             self.columns = np.arange(len(frames.rigid.independent_coordinates))
-            self._of_rigid = frames.rigid.of_link(link)
+            self._of_rigid = frames.rigid.of_body(link)
             return
         target = frames.targets[link][rows]
         ties = [
@@ -398,7 +398,7 @@ class _End:
             angle = motion.angle[:, self.by_z.link]
             return self.sign * np.stack([direction(angle).T, normal(angle).T], axis=1)
         assert displaced is not None
-        own = displaced.rigid.of_link(self.by_z.link)
+        own = displaced.rigid.of_body(self.by_z.link)
         moved = displaced.jacobian_of([self.point])[:, :, own]
         return np.asarray(self.sign * np.moveaxis(moved, 0, -1))
 

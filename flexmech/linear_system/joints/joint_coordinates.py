@@ -122,27 +122,6 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
     return bodies, slid
 
 
-def general_position(topology: Topology) -> RigidMotion:
-    """One position with random link angles and origins, for rank decisions.
-
-    Parameters
-    ----------
-    topology : Topology
-
-    Returns
-    -------
-    RigidMotion
-        Batch of shape (1,) of links at rest, which need not meet.
-    """
-    random = np.random.default_rng(0)
-    count = len(topology.links)
-    angle, zero = random.uniform(-np.pi, np.pi, (1, count)), np.zeros((1, count))
-    length = max(link.length for link in topology.links)
-    origin = length * random.uniform(-1.0, 1.0, (1, count, 2))
-    nowhere = np.zeros((1, count, 2))
-    return RigidMotion(zero[:, 0], zero[:, 0], angle, zero, zero, origin, nowhere, nowhere)
-
-
 @dataclass(frozen=True)
 class JoinedEnds:
     """Link ends that coincide at a pin or a weld, or whose rotations are equal at a weld.
@@ -206,12 +185,12 @@ class JointCoordinates:
         ends = dict.fromkeys(self._leading_ends())
         self.ends = {end: len(topology.links) + n for n, end in enumerate(ends)}
         self._link_of = [topology.index(end.link) for end in self.ends]
-        bodies = (*self.links, *self.ends.values())
-        count = 3 * len(bodies)
+        self._bodies = (*self.links, *self.ends.values())
+        count = 3 * len(self._bodies)
         self.slides = np.arange(count, count + len(topology.sliders))
         self.size = count + len(self.slides)
         conditions: list[Condition] = [*self._coincidences(), *self._equal_angles()]
-        self.constraints = Constraints(conditions, bodies, len(self.slides))
+        self.constraints = Constraints(conditions, self._bodies, len(self.slides))
         independent, self.dependent_coordinates, self.rows = self._choose()
         of_ends = (independent >= 3 * len(self.links)) & (independent < count)
         self.independent_coordinates = independent[~of_ends]
@@ -227,14 +206,9 @@ class JointCoordinates:
         """Whether an end is that of a rigid link."""
         return self.topology.index(end.link) in self.links
 
-    def of_link(self, link: int) -> IntArray:
-        """The three coordinates of a rigid link among y."""
-        return 3 * self.links.index(link) + np.arange(3)
-
-    def of_end(self, end: LinkEnd) -> IntArray:
-        """The three coordinates of a leading end among y."""
-        number = self.ends[end] - len(self.topology.links)
-        return 3 * (len(self.links) + number) + np.arange(3)
+    def of_body(self, number: int) -> IntArray:
+        """The three coordinates among y of a rigid link or of a leading end, by its number."""
+        return 3 * self._bodies.index(number) + np.arange(3)
 
     def end_at(self, point: BodyPoint) -> LinkEnd | None:
         """The end that a point is; None of one of a rigid link or a line."""
@@ -243,10 +217,15 @@ class JointCoordinates:
 
     def rotation(self, turn: JoinedEnds) -> int:
         """The coordinate among y that is the rotation of ends which are not fixed."""
-        rigid = [end for end in turn.ends if self.is_rigid(end)]
-        if rigid:
-            return int(self.of_link(self.topology.index(rigid[0].link))[2])
-        return int(self.of_end(turn.ends[0])[2])
+        return int(self.of_body(self._leading(turn).body)[2])
+
+    def _leading(self, joined: JoinedEnds) -> BodyPoint:
+        """Point of the end that leads: the first of a rigid link, or of all."""
+        return self._point(next(filter(self.is_rigid, joined.ends), joined.ends[0]))
+
+    def _point(self, end: LinkEnd) -> BodyPoint:
+        """Point that an end of a rigid link, or a leading one, is of its body."""
+        return BodyPoint(self.ends[end]) if end in self.ends else end_point(self.topology, end)
 
     def bodies(self, motion: RigidMotion) -> tuple[BodyMotion, ComplexArray]:
         """All links, leading ends and the ground about their reference points, and what slides.
@@ -327,7 +306,7 @@ class JointCoordinates:
         chosen = np.zeros((self.size, len(self.w) + len(self.receding)))
         chosen[self.w, np.arange(len(self.w))] = 1.0
         for number, end in enumerate(self.receding):
-            chosen[self.of_end(end)[0], len(self.w) + number] = self._hubs[end]
+            chosen[self.of_body(self.ends[end])[0], len(self.w) + number] = self._hubs[end]
         return chosen
 
     def leader(self, point: JoinedEnds) -> BodyPoint | None:
@@ -346,10 +325,7 @@ class JointCoordinates:
             return None
         if point.slider is not None:
             return self.point_on_line(point.slider)
-        rigid = [end for end in point.ends if self.is_rigid(end)]
-        if rigid:
-            return end_point(self.topology, rigid[0])
-        return BodyPoint(self.ends[point.ends[0]])
+        return self._leading(point)
 
     def point_on_line(self, number: int) -> BodyPoint:
         """Point of a slider on its line."""
@@ -371,8 +347,16 @@ class JointCoordinates:
 
     @cached_property
     def general_position(self) -> RigidMotion:
-        """One generic position for rank decisions; the links need not meet in it."""
-        return general_position(self.topology)
+        """One position with random link angles and origins, for rank decisions.
+
+        The links are at rest and need not meet in it.
+        """
+        random, links = np.random.default_rng(0), self.topology.links
+        angle, zero = random.uniform(-np.pi, np.pi, (1, len(links))), np.zeros((1, len(links)))
+        length = max(link.length for link in links)
+        origin = length * random.uniform(-1.0, 1.0, (1, len(links), 2))
+        nowhere = np.zeros_like(origin)
+        return RigidMotion(zero[:, 0], zero[:, 0], angle, zero, zero, origin, nowhere, nowhere)
 
     @cached_property
     def general_dependence(self) -> FloatArray:
@@ -389,16 +373,16 @@ class JointCoordinates:
     def _coincidences(self) -> Iterator[Coincidence]:
         """Ends of rigid links that coincide with the leader or a fixed point, and ends on hubs."""
         ground = BodyPoint(GROUND_AFTER_LINKS)
-        for point in self.points:
-            rigid = [end for end in point.ends if self.is_rigid(end)]
-            leader = self.leader(point)
-            for end in rigid[1 if leader and leader.slide is None else 0 :]:
-                yield Coincidence(self._pinned(end), leader or ground)
+        for joined in self.points:
+            leader = self.leader(joined) or ground
+            for end in filter(self.is_rigid, joined.ends):
+                if self._point(end) != leader:
+                    yield Coincidence(self._pinned(end), leader)
         yield from (Coincidence(self._pinned(end), ground) for end in self._hubs)
 
     def _pinned(self, end: LinkEnd) -> BodyPoint:
         """Point of a body that is pinned for an end: of a clamped one that on the axis."""
-        point = BodyPoint(self.ends[end]) if end in self.ends else end_point(self.topology, end)
+        point = self._point(end)
         return replace(point, place=point.place - self._hubs.get(end, 0.0))
 
     def _equal_angles(self) -> Iterator[EqualAngle]:

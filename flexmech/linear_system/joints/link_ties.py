@@ -71,7 +71,9 @@ class DependentRows:
         """Second time derivative of ``turn``: the terms that are included, (B, r, c)."""
         if terms.centripetal and terms.tangential:
             return self.centripetal + self.tangential
-        return self.centripetal if terms.centripetal else self.tangential
+        if terms.centripetal or terms.tangential:
+            return self.centripetal if terms.centripetal else self.tangential
+        return np.zeros_like(self.turn)
 
 
 @dataclass(frozen=True)
@@ -160,7 +162,7 @@ class LinkTies:
         # A system asks for them ten times in the same positions.
         self._latest: tuple[RigidMotion, list[list[DependentRows]]] | None = None
         self.joint_rows = [
-            JointRows(link, np.arange(3), self.rigid.of_link(link)) for link in self.rigid.links
+            JointRows(link, np.arange(3), self.rigid.of_body(link)) for link in self.rigid.links
         ]
         self._connect_ends()
         self._number(last or [np.zeros(link.size, dtype=bool) for link in links])
@@ -184,12 +186,12 @@ class LinkTies:
                 rows = model.end_displacement(end.end)
                 if model.rigid or not len(rows):
                     continue
-                leads = leader is not None and leader.body == rigid.ends.get(end)
-                if leader is not None and not leads:
-                    self.joint_rows.append(JointRows(link, rows, leader))
-                elif end in rigid.ends:  # one that is held on a hub, too
-                    self.joint_rows.append(JointRows(link, rows, rigid.of_end(end)[:2]))
-                if not (leads and np.isin(rigid.of_end(end)[:2], rigid.w).all()):
+                number = rigid.ends.get(end)  # of one that leads, or is held on a hub
+                own = None if number is None else rigid.of_body(number)[:2]
+                leads = leader is not None and leader.body == number
+                if (source := own if leads or leader is None else leader) is not None:
+                    self.joint_rows.append(JointRows(link, rows, source))
+                if not (leads and np.isin(own, rigid.w).all()):
                     self.targets[link][rows] = -1
         for turn in rigid.turns:
             for end in turn.ends:
@@ -200,8 +202,8 @@ class LinkTies:
                 leads = not turn.fixed and end in rigid.ends and end == turn.ends[0]
                 self.targets[link][rows[1:] if leads else rows] = -1
                 if not turn.fixed:
-                    source = np.full(len(rows), rigid.rotation(turn))
-                    self.joint_rows.append(JointRows(link, rows, source))
+                    equal = np.full(len(rows), rigid.rotation(turn))
+                    self.joint_rows.append(JointRows(link, rows, equal))
 
     def _number(self, last: Sequence[NDArray[np.bool_]]) -> None:
         """Number the free coordinates: of rigid links, of ends and of a free shaft, and others."""
@@ -209,7 +211,7 @@ class LinkTies:
         place = np.full(rigid.size, -1, dtype=np.intp)
         place[rigid.independent_coordinates] = np.arange(count)
         for number in rigid.links:
-            self.targets[number][:] = place[rigid.of_link(number)]
+            self.targets[number][:] = place[rigid.of_body(number)]
         ends = [np.zeros(model.size, dtype=bool) for model in self.links]
         for model, own in zip(self.links, ends, strict=True):
             own[model.start] = own[model.end] = own[model.receding] = True
@@ -281,7 +283,7 @@ class LinkTies:
         # Speed: the general way takes twelve times as long for pins of elastic links.
         rotated = turn(link, self.topology.index(leader.link))
         if len(which) > 2 or leader in self.rigid.receding:
-            rotated = rotated @ _picked(y, self.rigid.of_end(leader)[:2], which)
+            rotated = rotated @ _picked(y, self.rigid.of_body(source.body)[:2], which)
         return rotated
 
     def dependencies(self, link: int) -> list[tuple[IntArray, IntArray]]:
@@ -438,7 +440,7 @@ class LinkTies:
         batch, _, *more = displacement[0].shape
         y = np.zeros((batch, self.rigid.size, *more), dtype=displacement[0].dtype)
         for link in self.rigid.links:
-            y[:, self.rigid.of_link(link)] = displacement[link]
+            y[:, self.rigid.of_body(link)] = displacement[link]
         return y
 
     def _add_slides(
@@ -638,12 +640,12 @@ class RigidGeometricStiffness:
         dependence = dependence[:, :, : len(joints.independent_coordinates)]
         total = np.zeros((len(dependence), joints.size, joints.size))
         for link in joints.links:
-            turn = joints.of_link(link)[2]
+            turn = joints.of_body(link)[2]
             total[:, turn, turn] = self.rotation_stiffness[:, link]
         for number, slider in enumerate(joints.topology.sliders):
             if slider.guide:
                 turn, slide = (
-                    joints.of_link(joints.topology.index(slider.guide))[2],
+                    joints.of_body(joints.topology.index(slider.guide))[2],
                     joints.slides[number],
                 )
                 total[:, turn, slide] = total[:, slide, turn] = self.guide_stiffness[:, number]

@@ -377,12 +377,11 @@ class Connectors:
         """
         drawn = motion.undisplaced if isinstance(motion, DisplacedMotion) else motion
         tangents = self.tangents(drawn, displacement, time, stressed=prestress != "none")
-        dependent = frames.dependent_rows(motion)
         of_frames = Connectors(self._mechanism, frames.links)
 
         def jacobian(point: AttachedPoint) -> PointJacobian:
             place = of_frames.at(point.link, point.x)
-            return PointJacobian.of(place, frames, motion, dependent[point.link])
+            return PointJacobian.of(place, frames, motion)
 
         shape = (len(motion.crank_angle), frames.size, frames.size)
         return connected_matrices(tangents, jacobian, shape, is_conservative=self.is_conservative)

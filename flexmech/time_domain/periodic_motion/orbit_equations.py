@@ -299,12 +299,11 @@ class OrbitEquations:
         connectors = self.engine.connectors
         if not connectors.any:
             return None
-        rows = frames.dependent_rows(self.motion)
 
         def moved(point: AttachedPoint) -> PointJacobian:
             link = point.link
             finite = replace(point, rows=point.rows_at(displacement[link]))
-            value = PointJacobian.of(finite, frames, self.motion, rows[link]).value
+            value = PointJacobian.of(finite, frames, self.motion).value
             return PointJacobian(value, np.tensordot(self.first, value, 1))
 
         tangents = connectors.tangents(self.motion, displacement)
