@@ -22,17 +22,16 @@ from flexmech.linear_system import (
     LinkModel,
     LinkStretch,
     MechanismStack,
-    Prestress,
     StressedLinks,
     TheoryComparison,
     chain_matrix,
     refuse_large_displacements,
     rigid_link,
-    straight_forces,
     ties_beyond_pins,
     with_rigid_links,
 )
-from flexmech.linkages import LinkMass, RigidMotion, lumped_elements
+from flexmech.linkages import LinkMass, RigidMotion
+from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
@@ -125,13 +124,6 @@ class ReferenceEngine(Engine):
         return self.element, tuple(links)
 
     @cached_property
-    def _lumped(self) -> tuple[int, ...] | None:
-        """Elements whose mass is lumped, by link; None where mass is distributed."""
-        if self.mass == "distributed":
-            return None
-        return lumped_elements(self.mechanism.linkage.topology)
-
-    @cached_property
     def _masses(self) -> tuple[LinkMass, ...]:
         masses = self.mechanism.link_masses_in_order
         if self._lumped is None:
@@ -167,26 +159,13 @@ class ReferenceEngine(Engine):
     @cached_property
     def balance(self) -> ForceBalance:
         """Forces and tangents of displaced links."""
-        return ForceBalance(self.clamped_frames, self.chains, self.mechanism.joint_springs)
+        return ForceBalance(self.clamped_frames, self.chains, self.connectors)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
         alone = not self.connectors.depend_on_displacement
         return Equilibrium(self.balance, stable_alone=alone)
-
-    def stressed_clamped_links(
-        self,
-        motion: RigidMotion,
-        prestress: Prestress,
-        near: Sequence[FloatArray] | None = None,
-    ) -> StressedLinks:
-        """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
-        if self._is_straight(motion, prestress):
-            return StressedLinks.unloaded(self.clamped_links)
-        if prestress == "axial":
-            return self._axial(motion)
-        return self._equilibrium(motion, near)
 
     def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
         varying = self._varying(motion)
@@ -232,15 +211,8 @@ class ReferenceEngine(Engine):
         loads: list[FloatArray],
     ) -> StressedLinks:
         force, of_chains = self.balance.response(displacement, varying, motion.design)
-        frames, links = self.clamped_frames, self.clamped_links
-        found, dead = None, self._dead(motion, loads, displacement)
-        columns = [q.T for q in displacement]
-        of_chains = dead.add_stiffness(of_chains, columns)
-        dead.add_forces([each.T for each in force], columns)
-        if frames.has_arms:
-            beside = [load - own for load, own in zip(loads, force, strict=True)]
-            found = self.balance.stiffness_of_rigid(motion, displacement, beside, dead)
-        stressed = with_rigid_links(frames, of_chains, found)
+        links, dead = self.clamped_links, self._dead(motion, loads, displacement)
+        stressed = self._displaced_links(motion, displacement, loads, force, of_chains, dead)
         damping = None
         if any(link.damping.any() for link in links):
             bent = self.balance.damping(displacement, motion.design)
@@ -264,37 +236,37 @@ class ReferenceEngine(Engine):
         return [found.get(n, np.zeros((*q.shape, q.shape[1]))) for n, q in enumerate(displacement)]
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
-        """Straight links with the geometric stiffness of their tension."""
-        frames, designs = self.rigid_joint_frames, self.mechanism
-        loads, found = self._loads(motion), None
+        """Straight links with the geometric stiffness of their tension, of several designs too."""
+        designs = self.mechanism
         if not isinstance(designs, MechanismStack):
-            forces, found = straight_forces(
-                designs, frames, motion, loads, self._lumped, self.connectors
-            )
-        elif not ties_beyond_pins(frames):
-            forces = designs.forces(motion)
-        else:
+            return super()._axial(motion)
+        if ties_beyond_pins(self.rigid_joint_frames):
             # What welds carry is found design by design.
             alone, design = replace(motion, design=None), np.asarray(motion.design)
             parts = [
-                own.stressed_clamped_links(
-                    alone.at(np.flatnonzero(design == number)), "axial"
-                ).tangent
+                own._axial(alone.at(np.flatnonzero(design == number))).tangent
                 for number, own in enumerate(self.members)
             ]
             return StressedLinks([np.concatenate(own) for own in zip(*parts, strict=True)])
-        tangent = {}
+        loads = self._loads(motion)
+        tangent = self._dead(motion, loads).add_stiffness(
+            self._tensioned(motion, designs.forces(motion)),
+            [np.zeros_like(load.T) for load in loads],
+        )
+        return with_rigid_links(self.rigid_joint_frames, tangent, None, loads)
+
+    def _tensioned(self, motion: RigidMotion, forces: LinkForces) -> dict[int, FloatArray]:
+        """Tangents of the straight links; the tension varies inside elements."""
+        tangent, gravity = {}, np.asarray(self.mechanism.gravity)
         for number, chain in self.chains.items():
             nodes, stiffness = chain.nodes, chain.model.stiffness
             if motion.design is not None:
                 nodes, stiffness = nodes[motion.design], stiffness[motion.design]
-            tension = varying_tension(motion, number, chain, np.asarray(designs.gravity))
+            tension = varying_tension(motion, number, chain, gravity)
             middle = forces.axial_force(number, (nodes[..., :-1] + nodes[..., 1:]) / 2)
             tension[..., 0] = middle + tension[..., 2] / 2
             tangent[number] = stiffness + chain_matrix(chain.elements.geometric_stiffness(tension))
-        drawn = [np.zeros_like(load.T) for load in loads]
-        tangent = self._dead(motion, loads).add_stiffness(tangent, drawn)
-        return with_rigid_links(frames, tangent, found, loads)
+        return tangent
 
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
         """Geometric stiffness of each element, (e, r, r, B), by flexible link: its varying part.

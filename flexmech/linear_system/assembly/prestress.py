@@ -18,9 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.arrays import FloatArray
+from flexmech.linear_system.joints.joint_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.link_ties import RigidGeometricStiffness
 from flexmech.linear_system.joints.position_errors import (
     LESS_LOADED,
     BucklingError,
@@ -362,36 +362,3 @@ def with_rigid_links(
             own = found.rotation_stiffness[:, number, None]
             tangents[number] = with_entries(tangents[number], turn, turn, own)
     return StressedLinks(tangents, loads=loads, guide_stiffness=found.guide_stiffness)
-
-
-def element_tensions(nodes: Sequence[FloatArray], forces: LinkForces) -> list[FloatArray]:
-    """Axial force in each element under the motion's inertia forces, in N.
-
-    With the crank held most linkages are statically determinate: the linear static
-    solution's axial force is that of the rigid linkage. It is quadratic along an element,
-    and its mean is what the element's end displacements alone would give.
-
-    Parameters
-    ----------
-    nodes : sequence of ndarray, shape (e + 1,)
-        Node positions along each link in m.
-    forces : LinkForces
-        In the links, in B positions.
-
-    Returns
-    -------
-    list of ndarray, shape (B, e, 3)
-        Legendre coefficients along each element: mean, linear, quadratic.
-    """
-    tensions = []
-    for link, places in enumerate(nodes):
-        length = np.diff(places)
-        inside = SAME_PLACE * length  # off the point masses that may sit at the nodes
-        near, middle, far = (
-            forces.axial_force(link, at)
-            for at in (places[:-1] + inside, places[:-1] + length / 2, places[1:] - inside)
-        )
-        mean = (near + 4 * middle + far) / 6
-        quadratic = (near + far - 2 * middle) / 3
-        tensions.append(np.stack([mean, (far - near) / 2, quadratic], axis=-1))
-    return tensions

@@ -449,6 +449,45 @@ class JointCoordinates:
         )
 
 
+@dataclass(frozen=True)
+class RigidGeometricStiffness:
+    """Geometric stiffness of rigid links and sliders under dead loads and joint forces.
+
+    Parameters
+    ----------
+    rotation_stiffness : ndarray, shape (B, n_links)
+        Of each rigid link by its rotation in N m/rad; of a flexible one that of its hub.
+    guide_stiffness : ndarray, shape (B, n_sliders)
+        Between the rotation of a slider's guide and its slide in N/rad; zero on the ground.
+    """
+
+    rotation_stiffness: FloatArray
+    guide_stiffness: FloatArray
+
+    def projected(self, joints: JointCoordinates, dependence: FloatArray) -> FloatArray:
+        """Geometric stiffness by the independent coordinates of rigid links and sliders, (B, n, n).
+
+        Parameters
+        ----------
+        joints : JointCoordinates
+        dependence : ndarray, shape (B, size, m)
+            Derivative of y by w.
+        """
+        dependence = dependence[:, :, : len(joints.independent_coordinates)]
+        total = np.zeros((len(dependence), joints.size, joints.size))
+        for link in joints.links:
+            turn = joints.of_body(link)[2]
+            total[:, turn, turn] = self.rotation_stiffness[:, link]
+        for number, slider in enumerate(joints.topology.sliders):
+            if slider.guide:
+                turn, slide = (
+                    joints.of_body(joints.topology.index(slider.guide))[2],
+                    joints.slides[number],
+                )
+                total[:, turn, slide] = total[:, slide, turn] = self.guide_stiffness[:, number]
+        return np.asarray(np.swapaxes(dependence, 1, 2) @ total @ dependence)
+
+
 def _independent_columns(matrix: FloatArray) -> IntArray:
     """Numbers of the columns that are linearly independent of those before them."""
     basis = np.zeros((len(matrix), 0))

@@ -45,7 +45,6 @@ from flexmech.linear_system import (
     with_rigid_links,
 )
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.motion import direction
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors, LinkMotion
 
 FROZEN = RotationTerms.all_or_none(False)
@@ -317,8 +316,8 @@ class OrbitEquations:
         if not self.engine.connectors.any:
             return []
         displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
-        point_forces = self.engine.connectors.point_forces
-        return point_forces(self.motion, displacement, rate=rate, radial=True)
+        own, at = self.engine.connectors, (self.motion, displacement)
+        return [*own.point_forces(*at, rate=rate), *own.radial_forces(*at, rate)]
 
     def _forces(
         self, stressed: StressedLinks, moving: LinkMotion, pushes: Sequence[PointForce]
@@ -327,20 +326,20 @@ class OrbitEquations:
         forces, motion, gravity = [], self.motion, self.engine.mechanism.gravity
         assert stressed.internal_force is not None
         damping = stressed.damping or [link.damping for link in self.engine.links]
-        for number, link in enumerate(self.engine.links):
+        for number, model in enumerate(self.engine.links):
             elastic = moving[number]
             link_motion = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
             force = self._inertias[number].shape_forces(link_motion)
-            if not link.rigid:
+            if not model.rigid:
                 force += stressed.internal_force[number]
                 force += times(damping[number], link_motion.rate)
-            for body in link.bodies:
+            for body in model.bodies:
                 moved = (x @ body.rows.T for x in elastic)
                 force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
             forces.append(force)
         for push in pushes:
-            place, q = push.point, moving[push.point.link][0]
-            forces[place.link] -= place.force(motion, push.force, push.torque, q, finite=True)
+            link = push.point.link
+            forces[link] -= push.on_link(motion, moving[link][0])
         return forces
 
     def _with_rigid_links(
@@ -352,6 +351,7 @@ class OrbitEquations:
     ) -> StressedLinks:
         """Stressed links with the geometric stiffness of rigid ones by all forces on them."""
         by_rotation = {}
+        assert stressed.displacement is not None
         for number in self.frames.rigid.links:
             body = self.engine.links[number].bodies[0]
             virial, _ = body.dead_moment(self.motion, number, self.engine.mechanism.gravity)
@@ -359,9 +359,8 @@ class OrbitEquations:
             by_rotation[number] = virial - square * body.central_inertia
         for push in pushes:
             if (link := push.point.link) in by_rotation:
-                turned = self.motion.angle[:, link] + ties.displaced.turn[:, link]
-                along = np.sum(direction(turned) * push.force, axis=1)
-                by_rotation[link] = by_rotation[link] + push.point.x * along
+                more = push.rotation_stiffness(self.motion, stressed.displacement[link])
+                by_rotation[link] = by_rotation[link] + more
         geometric = ties.geometric_stiffness([-force for force in forces], by_rotation)
         tangent = {n: matrix for n, matrix in enumerate(stressed.tangent) if n not in by_rotation}
         rigid = with_rigid_links(self.frames, tangent, geometric)
