@@ -403,9 +403,7 @@ class RadialSprings:
     columns: list[IntArray]
 
     def __init__(self, frames: LinkFrames, connectors: Connectors) -> None:
-        self._springs: list[
-            tuple[float, list[tuple[float, AttachedPoint, IntArray, LinkRows]]]
-        ] = []
+        self._springs: list[tuple[float, list[_End]]] = []
         for spring in connectors.joint_springs:
             if spring.radial_stiffness:
                 ends = []

@@ -289,8 +289,8 @@ class JointCoordinates:
     def finite_dependence(self, jacobian: FloatArray) -> FloatArray:
         """Derivative of all coordinates by w, (B, size, n), by a Jacobian (B, d, size)."""
         across, by_w = jacobian[:, :, self.dependent_coordinates], jacobian[:, :, self.w]
-        (value,) = self._completed([-np.linalg.solve(across, by_w)])
-        return np.asarray(value)
+        solved = np.asarray(-np.linalg.solve(across, by_w), dtype=float)
+        return np.asarray(self._completed([solved])[0])
 
     def _completed(self, dependent: Sequence[FloatArray]) -> FloatArray:
         """All coordinates by w: value and rates (k, B, size, n), from dependent ones (B, d, n)."""

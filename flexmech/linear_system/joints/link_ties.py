@@ -195,7 +195,7 @@ class LinkTies:
                 leads = leader is not None and leader.body == number
                 if (source := own if leads or leader is None else leader) is not None:
                     self.joint_rows.append(JointRows(link, rows, source))
-                if not (leads and np.isin(own, rigid.w).all()):
+                if own is None or not (leads and np.isin(own, rigid.w).all()):
                     self.targets[link][rows] = -1
         for turn in rigid.turns:
             for end in turn.ends:
@@ -549,7 +549,8 @@ class DisplacedTies:
     def rows(self) -> list[list[DisplacedRows]]:
         """Dependent rows of each link."""
         ties, first = self._ties, len(self.rigid.independent_coordinates)
-        turn, rows = _values_of(self.motion), []
+        rows: list[list[DisplacedRows]] = []
+        turn = _values_of(self.motion)
 
         @cache
         def moved(point: BodyPoint) -> FloatArray:
