@@ -10,9 +10,9 @@ partitioning). Ends of elastic links depend on rigid ones, never these on them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Self
 
 import numpy as np
@@ -357,6 +357,17 @@ class JointCoordinates:
         origin = length * random.uniform(-1.0, 1.0, (1, len(links), 2))
         nowhere = np.zeros_like(origin)
         return RigidMotion(zero[:, 0], zero[:, 0], angle, zero, zero, origin, nowhere, nowhere)
+
+    @cached_property
+    def general_rows(self) -> Callable[[BodyPoint], FloatArray]:
+        """From a point to its displacement in that position by w, (1, 2, n)."""
+
+        @cache
+        def rows(point: BodyPoint) -> FloatArray:
+            moved = self.displacement_rows(self.general_position, [point]).value
+            return np.asarray(moved @ self.general_dependence)
+
+        return rows
 
     @cached_property
     def general_dependence(self) -> FloatArray:

@@ -222,18 +222,20 @@ class LinkTies:
         for turn in rigid.turns:
             link, model = self._end(turn.ends[0])
             ends[link][model.end_rotation_of(turn.ends[0].end)[:1]] = True
-        for group in range(3):
-            for target, own, late in zip(self.targets, ends, last, strict=True):
-                chosen = (own & ~late, ~(own | late), late)[group] & (target == -2)
-                target[chosen] = np.arange(count, count + chosen.sum())
-                count += int(chosen.sum())
-            if group == 0:
+        inner = [~(own | late) for own, late in zip(ends, last, strict=True)]
+        ends = [own & ~late for own, late in zip(ends, last, strict=True)]
+        for group in (ends, inner, last):
+            for target, chosen in zip(self.targets, group, strict=True):
+                free = np.flatnonzero((target == -2) & chosen)
+                target[free] = np.arange(count, count + len(free))
+                count += len(free)
+            if group is ends:
                 self.end_count = count
         self.size = count
 
     def _add_ties(self) -> None:
         """Add the dependence of marked coordinates on the joint coordinates that are numbered."""
-        rigid, general = self.rigid, self.rigid.general_position
+        rigid = self.rigid
         place = np.full(rigid.size, -1, dtype=np.intp)
         place[rigid.independent_coordinates] = np.arange(len(rigid.independent_coordinates))
         for link, rows, source in self.joint_rows:
@@ -246,20 +248,16 @@ class LinkTies:
             for coordinate in model.receding:
                 receding[number] = int(self.targets[link][coordinate])
         z = np.array([*place[rigid.w], *receding])
-        y, every = rigid.general_dependence, np.arange(len(z))
-
-        def moved(point: BodyPoint) -> FloatArray:
-            return rigid.displacement_rows(general, [point]).value @ y
-
+        y, moved = rigid.general_dependence, rigid.general_rows
         for link, rows, source in self.joint_rows:
             target = self.targets[link]
             if not isinstance(source, BodyPoint):
                 for row, number in zip(rows, place[source], strict=True):
                     # Of two rows of one link that are equal the second is dependent.
-                    if number >= 0 and number not in target:
+                    if target[row] < 0 <= number and number not in target:
                         target[row] = number
                 source, rows = source[target[rows] < 0], rows[target[rows] < 0]
-            by = self._by_w(source, every, link, y, _values_of(general), moved)
+            by = moved(source) if isinstance(source, BodyPoint) else y[:, source]
             size = np.abs(by[0]).max(axis=0, initial=0.0)
             # In a general position, once and for all.
             if len(which := np.flatnonzero((size > RANK_TOLERANCE) & (z >= 0))):
