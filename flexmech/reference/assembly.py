@@ -199,15 +199,11 @@ class LinkageAssembly:
 
         A dependent end is taken to satisfy its constraint.
         """
-        if not self.ties_move:
-            columns = [q[..., None] for q in displacement]
-            return self.frames.independent(motion, columns)[..., 0].T.copy()
-        z = np.zeros((self.frames.size, len(displacement[0])))
-        for link, (target, q) in enumerate(zip(self.frames.targets, displacement, strict=True)):
-            own = self.frames.independent_coordinates(link)
-            z[target[own]] = q.T[own]
-        pose = self.frames.displaced_ties_by(motion, displacement)
-        z[: self._rigid_count] = pose.y[:, self.frames.rigid.independent_coordinates].T
+        columns = [q[..., None] for q in displacement]
+        z = self.frames.independent(motion, columns)[..., 0].T.copy()
+        if self.ties_move:
+            pose = self.frames.displaced_ties_by(motion, displacement)
+            z[: self._rigid_count] = pose.y[:, self.frames.rigid.independent_coordinates].T
         return z
 
     def gather(self, forces: Sequence[FloatArray], ties: Ties) -> FloatArray:

@@ -92,10 +92,8 @@ class CarriedLinkage:
         inertias, of_ends, rigid = [], [], []
         for own, full, basis in zip(frames.links, links, bases, strict=True):
             inertias.append(LinkInertia.of(own, full, basis))
-            names = ("start", "end", "start_rotation", "end_rotation")
-            kept = {name: getattr(own, name) for name in names}
             alone = own.reduced_ends is not None
-            unit = full.end_basis(own.size, kept) if alone else basis
+            unit = full.end_basis(own.size, own.kept_ends) if alone else basis
             of_ends.append(LinkInertia.of(own, full, unit))
             fields = [getattr(full.fields, name) for name in FIELDS[:COORDINATES]]
             rigid.append(np.stack(fields, axis=1))

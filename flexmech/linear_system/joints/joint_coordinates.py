@@ -210,11 +210,6 @@ class JointCoordinates:
         """The three coordinates among y of a rigid link or of a leading end, by its number."""
         return 3 * self._bodies.index(number) + np.arange(3)
 
-    def end_at(self, point: BodyPoint) -> LinkEnd | None:
-        """The end that a point is; None of one of a rigid link or a line."""
-        number = point.body - len(self.topology.links)
-        return None if number < 0 else list(self.ends)[number]
-
     def rotation(self, turn: JoinedEnds) -> int:
         """The coordinate among y that is the rotation of ends which are not fixed."""
         return int(self.of_body(self._leading(turn).body)[2])

@@ -279,12 +279,12 @@ class LinkTies:
         """
         if not isinstance(source, BodyPoint):
             return _picked(y, source, which)
-        leader = self.rigid.end_at(source)
+        leader = next((end for end, body in self.rigid.ends.items() if body == source.body), None)
         if leader is None:
             return turn(link, None) @ _picked(moved(source), np.arange(2), which)
         # Speed: the general way takes twelve times as long for pins of elastic links.
         rotated = turn(link, self.topology.index(leader.link))
-        if len(which) > 2 or leader in self.rigid.receding:
+        if leader in self.rigid.receding:
             rotated = rotated @ _picked(y, self.rigid.of_body(source.body)[:2], which)
         return rotated
 
