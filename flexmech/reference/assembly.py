@@ -172,7 +172,7 @@ class LinkageAssembly:
         displaced, rows = None, []
         if self.ties_move:
             displaced = self.frames.displaced_ties(motion, z[: self._rigid_count].T)
-            rows = [[tie.turn for tie in ties] for ties in displaced.rows]
+            rows = displaced.rows
         else:
             rows = [[tie.turn for tie in ties] for ties in self.frames.dependent_rows(motion)]
         return Ties(
@@ -185,12 +185,11 @@ class LinkageAssembly:
         result = []
         for link, target in enumerate(self.frames.targets):
             q = np.where(target[:, None] >= 0, z[target], 0.0)
-            dependent = self.frames.dependencies(link)
-            for number, ((rows, columns), turn) in enumerate(
-                zip(dependent, ties.turns[link], strict=True)
-            ):
-                place = None if ties.displaced is None else ties.displaced.rows[link][number].place
-                q[rows] = (turn * z[columns]).sum(axis=1) if place is None else place.T
+            dependent = zip(self.frames.dependencies(link), ties.turns[link], strict=True)
+            for (rows, columns), turn in dependent:
+                q[rows] = (turn * z[columns]).sum(axis=1)
+            if ties.displaced is not None:
+                ties.displaced.put_places(link, q.T)
             result.append(q)
         return result
 

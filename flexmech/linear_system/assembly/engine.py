@@ -578,14 +578,14 @@ class Engine(EngineParameters):
         ConnectedMatrices or None
             In the coordinates of ``frames``; None where nothing acts between links.
         """
-        found = None
+        connected = None
         if self.connectors.any:
-            found = self.connectors.matrices(frames, motion, prestress, stressed.displacement)
+            connected = self.connectors.matrices(frames, motion, prestress, stressed.displacement)
         if stressed.guide_stiffness is None or not stressed.guide_stiffness.any():
-            return found
+            return connected
         guides = frames.guide_matrix(motion, stressed.guide_stiffness)
-        if found is not None:
-            return replace(found, stiffness=found.stiffness + guides)
+        if connected is not None:
+            return replace(connected, stiffness=connected.stiffness + guides)
         zero = np.zeros_like(guides)
         return ConnectedMatrices(guides, zero, zero, is_conservative=True)
 

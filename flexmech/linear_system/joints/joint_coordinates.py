@@ -68,16 +68,16 @@ class DisplacedMotion(RigidMotion):
         turn : ndarray, shape (B, n_links)
         slide : ndarray, shape (B, n_sliders)
         """
-        own = {field.name: getattr(motion, field.name) for field in fields(RigidMotion)}
-        own["angle"] = motion.angle + turn
-        return cls(**own, turn=turn, slide=slide)
+        values = {field.name: getattr(motion, field.name) for field in fields(RigidMotion)}
+        values["angle"] = motion.angle + turn
+        return cls(**values, turn=turn, slide=slide)
 
     @property
     def undisplaced(self) -> RigidMotion:
         """The rigid motion itself."""
-        own = {field.name: getattr(self, field.name) for field in fields(RigidMotion)}
-        own["angle"] = self.angle - self.turn
-        return RigidMotion(**own)
+        values = {field.name: getattr(self, field.name) for field in fields(RigidMotion)}
+        values["angle"] = self.angle - self.turn
+        return RigidMotion(**values)
 
 
 def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, ComplexArray]:
@@ -291,8 +291,8 @@ class JointCoordinates:
         """All coordinates by w: value and rates (k, B, size, n), from dependent ones (B, d, n)."""
         parts = np.zeros((len(dependent), len(dependent[0]), *self._of_chosen.shape))
         parts[0] = self._of_chosen
-        for part, own in zip(parts, dependent, strict=True):
-            part[:, self.dependent_coordinates, : len(self.w)] = own
+        for order, solved in enumerate(dependent):
+            parts[order][:, self.dependent_coordinates, : len(self.w)] = solved
         return parts
 
     @cached_property

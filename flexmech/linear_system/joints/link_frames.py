@@ -349,9 +349,9 @@ class LinkFrames(LinkTies):
         none = np.zeros((len(vectors), 0, vectors.shape[2]))
         rate, change = [none], [none]
         for tie in ties:
-            own = vectors[:, tie.columns]
-            rate.append(tie.rate @ own)
-            change.append(tie.acceleration(terms) @ own)
+            determining = vectors[:, tie.columns]
+            rate.append(tie.rate @ determining)
+            change.append(tie.acceleration(terms) @ determining)
         rows = self.dependent_coordinates(link)
         return rows, np.concatenate(rate, axis=1), np.concatenate(change, axis=1)
 
@@ -382,8 +382,8 @@ class LinkFrames(LinkTies):
             by = tie.turn if rate is None else rate(tie)
             total[:, :, tie.columns] += rows[..., tie.rows] @ by
         if rate is None:
-            for own, independent in self._places[link].runs:
-                total[:, :, independent] += rows[..., own]
+            for free, independent in self._places[link].runs:
+                total[:, :, independent] += rows[..., free]
         return total
 
     def gather(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> FloatArray:

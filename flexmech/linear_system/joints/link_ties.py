@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property, lru_cache, partial
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -80,28 +80,17 @@ class DependentRows:
         return np.zeros_like(self.turn)
 
 
-@dataclass(frozen=True)
-class DisplacedRows:
-    """Dependent rows of a link at finite displacements.
+class JointRows(NamedTuple):
+    """Rows of a link that move with a joint.
 
     Parameters
     ----------
-    rows, columns : ndarray of int, shape (r,), (c,)
-        As of :class:`flexmech.linear_system.DependentRows`.
-    turn : ndarray, shape (B, r, c)
-        Derivative of the rows by the columns.
-    place : ndarray, shape (B, r), or None
-        The dependent coordinates, where they are not linear in the columns.
+    link : int
+    rows : ndarray of int, shape (r,)
+    source : BodyPoint, or ndarray of int, shape (r,)
+        The point whose displacement they are in the link's frame, or the joint coordinates that
+        they are.
     """
-
-    rows: IntArray
-    columns: IntArray
-    turn: FloatArray
-    place: FloatArray | None
-
-
-class JointRows(NamedTuple):
-    """Rows (r,) of a link that are joint coordinates (r,), or the displacement of a point."""
 
     link: int
     rows: IntArray
@@ -109,10 +98,17 @@ class JointRows(NamedTuple):
 
 
 class Tie(NamedTuple):
-    """Dependent rows (r,) of a link, and the independent coordinates (c,) that determine them.
+    """Dependent rows of a link, and the independent coordinates that determine them.
 
-    ``which`` are the columns (c,) of the dependence of the joint coordinates, and ``columns`` the
-    same independent coordinates by their numbers in the linkage.
+    Parameters
+    ----------
+    rows : ndarray of int, shape (r,)
+    source : BodyPoint, or ndarray of int, shape (r,)
+        As of :class:`JointRows`.
+    which : ndarray of int, shape (c,)
+        Columns of the dependence of the joint coordinates.
+    columns : ndarray of int, shape (c,)
+        The same independent coordinates by their numbers in the linkage.
     """
 
     rows: IntArray
@@ -152,6 +148,8 @@ class LinkTies:
         Of rigid links, sliders and leading ends.
     joint_rows : list of JointRows
         All rows that move with joint coordinates.
+    ties : list of list of Tie
+        Of each link: those of them that are dependent.
     """
 
     def __init__(
@@ -170,7 +168,7 @@ class LinkTies:
         ]
         self._connect_ends()
         self._number(last or [np.zeros(link.size, dtype=bool) for link in links])
-        self._ties: list[list[Tie]] = [[] for _ in links]
+        self.ties: list[list[Tie]] = [[] for _ in links]
         self._add_ties()
 
     def _end(self, end: LinkEnd) -> tuple[int, LinkModel]:
@@ -191,11 +189,11 @@ class LinkTies:
                 if model.rigid or not len(rows):
                     continue
                 number = rigid.ends.get(end)  # of one that leads, or is held on a hub
-                own = None if number is None else rigid.of_body(number)[:2]
+                among = None if number is None else rigid.of_body(number)[:2]
                 leads = leader is not None and leader.body == number
-                if (source := own if leads or leader is None else leader) is not None:
+                if (source := among if leads or leader is None else leader) is not None:
                     self.joint_rows.append(JointRows(link, rows, source))
-                if own is None or not (leads and np.isin(own, rigid.w).all()):
+                if among is None or not (leads and np.isin(among, rigid.w).all()):
                     self.targets[link][rows] = -1
         for turn in rigid.turns:
             for end in turn.ends:
@@ -217,13 +215,13 @@ class LinkTies:
         for number in rigid.links:
             self.targets[number][:] = place[rigid.of_body(number)]
         ends = [np.zeros(model.size, dtype=bool) for model in self.links]
-        for model, own in zip(self.links, ends, strict=True):
-            own[model.start] = own[model.end] = own[model.receding] = True
+        for model, at_ends in zip(self.links, ends, strict=True):
+            at_ends[model.start] = at_ends[model.end] = at_ends[model.receding] = True
         for turn in rigid.turns:
             link, model = self._end(turn.ends[0])
             ends[link][model.end_rotation_of(turn.ends[0].end)[:1]] = True
-        inner = [~(own | late) for own, late in zip(ends, last, strict=True)]
-        ends = [own & ~late for own, late in zip(ends, last, strict=True)]
+        inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
+        ends = [end & ~late for end, late in zip(ends, last, strict=True)]
         for group in (ends, inner, last):
             for target, chosen in zip(self.targets, group, strict=True):
                 free = np.flatnonzero((target == -2) & chosen)
@@ -240,8 +238,8 @@ class LinkTies:
         place[rigid.independent_coordinates] = np.arange(len(rigid.independent_coordinates))
         for link, rows, source in self.joint_rows:
             if not isinstance(source, BodyPoint):
-                own = self.targets[link][rows]
-                place[source[own >= 0]] = own[own >= 0]
+                numbers = self.targets[link][rows]
+                place[source[numbers >= 0]] = numbers[numbers >= 0]
         receding = [-1] * len(rigid.receding)
         for number, end in enumerate(rigid.receding):
             link, model = self._end(end)
@@ -261,47 +259,58 @@ class LinkTies:
             size = np.abs(by[0]).max(axis=0, initial=0.0)
             # In a general position, once and for all.
             if len(which := np.flatnonzero((size > RANK_TOLERANCE) & (z >= 0))):
-                self._ties[link].append(Tie(rows, source, which, z[which]))
+                self.ties[link].append(Tie(rows, source, which, z[which]))
 
-    def _by_w(
+    def by_independent_coordinates(
         self,
-        source: BodyPoint | IntArray,
-        which: IntArray,
-        link: int,
         y: Matrix,
         turn: Callable[[int, int | None], Matrix],
         moved: Callable[[BodyPoint], Matrix],
-    ) -> Matrix:
-        """Dependence of joint rows of a link on the columns ``which`` of joint coordinates.
+    ) -> list[list[Matrix]]:
+        """Derivatives of the dependent rows of each link by their columns, by tie.
 
-        ``y`` has all joint coordinates by these, ``turn`` rotates to a link's frame from ground
-        axes or from another frame, and ``moved`` has the displacement of a point in ground axes.
+        Parameters
+        ----------
+        y : MatrixWithRates or ndarray, shape (B, size, n)
+            Joint coordinates by the independent ones among them.
+        turn : callable
+            Rotation to the frame of a link from that of another, or of None from ground axes.
+        moved : callable
+            Displacement of a point in ground axes by the independent joint coordinates.
+
+        Returns
+        -------
+        list of list of MatrixWithRates or ndarray, shape (B, r, c)
         """
-        if not isinstance(source, BodyPoint):
-            return _picked(y, source, which)
-        leader = next((end for end, body in self.rigid.ends.items() if body == source.body), None)
-        if leader is None:
-            return turn(link, None) @ _picked(moved(source), np.arange(2), which)
-        # Speed: the general way takes twelve times as long for pins of elastic links.
-        rotated = turn(link, self.topology.index(leader.link))
-        if leader in self.rigid.receding:
-            rotated = rotated @ _picked(y, self.rigid.of_body(source.body)[:2], which)
-        return rotated
+        elastic = {body: end for end, body in self.rigid.ends.items()}
+
+        def derivative(link: int, tie: Tie) -> Matrix:
+            if not isinstance(source := tie.source, BodyPoint):
+                return _picked(y, source, tie.which)
+            if (leader := elastic.get(source.body)) is None:
+                return turn(link, None) @ _picked(moved(source), np.arange(2), tie.which)
+            # Speed: the general way takes twelve times as long for pins of elastic links.
+            rotated = turn(link, self.topology.index(leader.link))
+            if leader in self.rigid.receding:
+                rotated = rotated @ _picked(y, self.rigid.of_body(source.body)[:2], tie.which)
+            return rotated
+
+        return [[derivative(link, tie) for tie in ties] for link, ties in enumerate(self.ties)]
 
     def dependencies(self, link: int) -> list[tuple[IntArray, IntArray]]:
         """Dependent coordinates of a link and the coordinates of z that determine them, by tie."""
-        return [(tie.rows, tie.columns) for tie in self._ties[link]]
+        return [(tie.rows, tie.columns) for tie in self.ties[link]]
 
     def dependent_coordinates(self, link: int) -> IntArray:
         """Dependent coordinates of a link, (k,)."""
-        rows = [tie.rows for tie in self._ties[link]]
+        rows = [tie.rows for tie in self.ties[link]]
         return np.concatenate([np.zeros(0, dtype=np.intp), *rows])
 
     def independent_coordinates(self, link: int) -> IntArray:
         """Coordinates of a link that are independent coordinates of the linkage, (k,)."""
-        own = self.targets[link] >= 0
-        own[self.dependent_coordinates(link)] = False
-        return np.flatnonzero(own)
+        free = self.targets[link] >= 0
+        free[self.dependent_coordinates(link)] = False
+        return np.flatnonzero(free)
 
     def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
         """Dependent coordinates of each link by the independent ones, with time derivatives.
@@ -318,25 +327,19 @@ class LinkTies:
         """
         if (latest := self._latest) is not None and latest[0] is motion:
             return latest[1]
-        rigid, y = self.rigid, self.rigid.dependence(motion)
-
-        def turn(link: int, leader: int | None) -> MatrixWithRates:
-            return _to_frame(motion, link, leader)
+        y = self.rigid.dependence(motion)
 
         @cache
         def moved(point: BodyPoint) -> MatrixWithRates:
-            return rigid.displacement_rows(motion, [point]) @ y
+            return self.rigid.displacement_rows(motion, [point]) @ y
 
+        by = self.by_independent_coordinates(y, partial(_to_frame, motion), moved)
         rows = [
             [
-                DependentRows(
-                    tie.rows,
-                    tie.columns,
-                    *self._by_w(tie.source, tie.which, link, y, turn, moved).parts,
-                )
-                for tie in ties
+                DependentRows(tie.rows, tie.columns, *derivative.parts)
+                for tie, derivative in zip(*of_link, strict=True)
             ]
-            for link, ties in enumerate(self._ties)
+            for of_link in zip(self.ties, by, strict=True)
         ]
         self._latest = motion, rows
         return rows
@@ -514,15 +517,15 @@ class DisplacedTies:
 
     def displacement(self, points: Sequence[BodyPoint]) -> FloatArray:
         """Displacement of points of rigid links or of lines in ground axes, (B, P, 2)."""
-        own = self.rigid.constraints.points(points)
-        moved = own.places(*self._after) - own.places(*self._before)
+        places = self.rigid.constraints.points(points).places
+        moved = places(*self._after) - places(*self._before)
         return np.stack([moved.real, moved.imag], axis=-1)
 
     def jacobian_of(self, points: Sequence[BodyPoint]) -> FloatArray:
         """Jacobian of the displacement of points by y, (B, 2 P, size)."""
         bodies, slid = self._after
-        own = self.rigid.constraints.points(points)
-        return own.jacobian(bodies, self._before[0].turn, slid)
+        of_points = self.rigid.constraints.points(points)
+        return of_points.jacobian(bodies, self._before[0].turn, slid)
 
     @property
     def gap(self) -> FloatArray:
@@ -544,29 +547,29 @@ class DisplacedTies:
         return self.rigid.finite_dependence(self.jacobian)
 
     @cached_property
-    def rows(self) -> list[list[DisplacedRows]]:
-        """Dependent rows of each link."""
-        ties, first = self._ties, len(self.rigid.independent_coordinates)
-        rows: list[list[DisplacedRows]] = []
-        turn = _values_of(self.motion)
+    def rows(self) -> list[list[FloatArray]]:
+        """Derivatives (B, r, c) of the dependent rows of each link, by tie."""
 
         @cache
         def moved(point: BodyPoint) -> FloatArray:
             return self.jacobian_of([point]) @ self.coordinates
 
-        for link, of_link in enumerate(ties._ties):
-            rows.append([])
-            for own, source, which, columns in of_link:
-                by = ties._by_w(source, which, link, self.coordinates, turn, moved)
-                place = None
-                if (which < first).all():
-                    if isinstance(source, BodyPoint):
-                        place = turn(link, None) @ self.displacement([source])[:, 0, :, None]
-                        place = place[..., 0]
-                    else:
-                        place = self.y[:, source]
-                rows[-1].append(DisplacedRows(own, columns, by, place))
-        return rows
+        return self._ties.by_independent_coordinates(self.coordinates, self._turn, moved)
+
+    def _turn(self, link: int, leader: int | None) -> FloatArray:
+        return _to_frame(self.motion, link, leader).value
+
+    def put_places(self, link: int, q: FloatArray) -> None:
+        """Set coordinates (B, n_link) of a link that are not linear in the independent ones."""
+        count = len(self.rigid.independent_coordinates)
+        for rows, source, which, _ in self._ties.ties[link]:
+            if not (which < count).all():
+                continue
+            if isinstance(source, BodyPoint):
+                moved = self.displacement([source])[:, 0, :, None]
+                q[:, rows] = (self._turn(link, None) @ moved)[..., 0]
+            else:
+                q[:, rows] = self.y[:, source]
 
     def geometric_stiffness(
         self, forces: Sequence[FloatArray], rotation_stiffness: Mapping[int, FloatArray]
@@ -628,8 +631,3 @@ def _to_frame(motion: RigidMotion, link: int, leader: int | None = None) -> Matr
     turn = np.stack([motion.angle, motion.angular_velocity, motion.angular_acceleration])
     others = 0.0 if leader is None else turn[..., leader]
     return MatrixWithRates.rotation(*(others - turn[..., link]))
-
-
-def _values_of(motion: RigidMotion) -> Callable[[int, int | None], FloatArray]:
-    """Rotations to frames of links without their rates; see :func:`_to_frame`."""
-    return lambda link, leader: _to_frame(motion, link, leader).value

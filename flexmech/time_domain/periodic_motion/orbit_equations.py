@@ -213,14 +213,13 @@ class OrbitEquations:
         """
         velocity, acceleration = self.first @ z, self.second @ z
         moving = self.frames.link_motion(self.motion, z, velocity, acceleration)
-        ties, beyond = self._ties(z), [np.zeros_like(q) for q, _, _ in moving]
-        for more, (q, rate, change), of_link in zip(beyond, moving, ties.rows, strict=True):
-            for tie in of_link:
-                if tie.place is not None:
-                    more[:, tie.rows] = tie.place - q[:, tie.rows]
-            q += more
-            rate += self.first @ more
-            change += self.second @ more
+        ties, beyond = self._ties(z), []
+        for link, (q, rate, change) in enumerate(moving):
+            linear = q.copy()
+            ties.put_places(link, q)
+            beyond.append(q - linear)
+            rate += self.first @ beyond[-1]
+            change += self.second @ beyond[-1]
         displacement, frames = [q for q, _, _ in moving], self._frames_at(ties)
         stressed = self.engine.running_links(self.motion, displacement)
         pushes, connected = self._pushes(moving), self._connected(displacement, frames)
@@ -248,16 +247,15 @@ class OrbitEquations:
         rows = [
             [
                 DependentRows(
-                    tie.rows,
-                    tie.columns,
-                    tie.turn,
-                    differentiated(self.first, tie.turn),
-                    differentiated(self.second, tie.turn),
-                    np.zeros_like(tie.turn),
+                    *dependent,
+                    turn,
+                    differentiated(self.first, turn),
+                    differentiated(self.second, turn),
+                    np.zeros_like(turn),
                 )
-                for tie in of_link
+                for dependent, turn in zip(self.frames.dependencies(link), turns, strict=True)
             ]
-            for of_link in ties.rows
+            for link, turns in enumerate(ties.rows)
         ]
         return DisplacedFrames(self.frames, rows)
 
@@ -316,8 +314,8 @@ class OrbitEquations:
         if not self.engine.connectors.any:
             return []
         displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
-        own, at = self.engine.connectors, (self.motion, displacement)
-        return [*own.point_forces(*at, rate=rate), *own.radial_forces(*at, rate)]
+        connectors, at = self.engine.connectors, (self.motion, displacement)
+        return [*connectors.point_forces(*at, rate=rate), *connectors.radial_forces(*at, rate)]
 
     def _forces(
         self, stressed: StressedLinks, moving: LinkMotion, pushes: Sequence[PointForce]
