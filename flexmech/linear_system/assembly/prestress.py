@@ -136,24 +136,19 @@ def balanced_loads(
             return total
         return _sum(total, displaced_inertia.on_undeformed(displacement))
 
-    def residual() -> FloatArray:
-        """Forces at the displacement less those under which it was found."""
-        excess = [b - a for a, b in zip(force, forces(displacement), strict=True)]
-        return frames.gather(motion, excess)
-
-    force = forces(None)
+    force, moved = forces(None), None
     if displaced_inertia is None and (solve_connects or not connectors.depend_on_displacement):
         return BalancedLoads(_sum(loads, force), None)
     stiffness: Sequence[FloatArray] = [link.stiffness for link in frames.links]
-    displacement = undisplaced
-    unbalanced = frames.gather(motion, _sum(loads, force))
-    if displaced_inertia is not None:
-        # Near its first frequency a body is stiff by its tension alone, which it has then.
-        displacement = solve(BalancedLoads(_sum(loads, force), None))
-        stiffness, unbalanced = tangents(displacement), residual()
+    displacement, unbalanced = undisplaced, _sum(loads, force)
     load_change = np.full(len(motion.crank_angle), np.inf)
     converged = np.zeros(len(load_change), dtype=bool)
     for number in range(MOST_PASSES):
+        # Near its first frequency a body is stiff by its tension alone, which straight links lack.
+        if number or displaced_inertia is not None:
+            displacement = solve(BalancedLoads(_sum(loads, force), moved))
+            stiffness = tangents(displacement)
+            unbalanced = [b - a for a, b in zip(force, forces(displacement), strict=True)]
         if displaced_inertia is not None:
             pairs = zip(stiffness, displaced_inertia.matrices(displacement), strict=True)
             stiffness = [tangent - matrix for tangent, matrix in pairs]
@@ -161,7 +156,8 @@ def balanced_loads(
         against = connectors.added(
             frames, motion, links, FROZEN, "equilibrium", displacement
         ).stiffness
-        step = frames.link_coordinates(motion, np.linalg.solve(against, unbalanced[..., None]))
+        right = frames.gather(motion, unbalanced)[..., None]
+        step = frames.link_coordinates(motion, np.linalg.solve(against, right))
         moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
         before, force, last = force, forces(moved), load_change
         load_change = _greatest([b - a for a, b in zip(before, force, strict=True)])
@@ -172,8 +168,6 @@ def balanced_loads(
             if displaced_inertia is not None:
                 _refuse_instability(motion, against, follow=connectors.follow)
             return BalancedLoads(_sum(loads, force), moved)
-        displacement = solve(BalancedLoads(_sum(loads, force), moved))
-        stiffness, unbalanced = tangents(displacement), residual()
     refuse_positions(
         motion,
         ~converged,
