@@ -288,7 +288,7 @@ class LinkTies:
             if not isinstance(source := tie.source, BodyPoint):
                 return _picked(y, source, tie.which)
             if (leader := elastic.get(source.body)) is None:
-                return turn(link, None) @ _picked(moved(source), np.arange(2), tie.which)
+                return turn(link, None) @ _picked(moved(source), None, tie.which)
             # Speed: the general way takes twelve times as long for pins of elastic links.
             rotated = turn(link, self.topology.index(leader.link))
             if leader in self.rigid.receding:
@@ -619,11 +619,11 @@ class DisplacedTies:
         return RigidGeometricStiffness(by_rotation, guide_stiffness)
 
 
-def _picked(matrix: Matrix, rows: IntArray, columns: IntArray) -> Matrix:
-    """Some rows and columns of a matrix with or without rates."""
+def _picked(matrix: Matrix, rows: IntArray | None, columns: IntArray) -> Matrix:
+    """Rows, or all of None, and columns of a matrix with or without rates."""
     if isinstance(matrix, MatrixWithRates):
-        return matrix.rows(rows).columns(columns)
-    return matrix[:, rows][:, :, columns]
+        return (matrix if rows is None else matrix.rows(rows)).columns(columns)
+    return (matrix if rows is None else matrix[:, rows])[:, :, columns]
 
 
 def _to_frame(motion: RigidMotion, link: int, leader: int | None = None) -> MatrixWithRates:
