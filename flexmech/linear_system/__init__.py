@@ -1,6 +1,6 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
-from flexmech.choices import PRESTRESS_LEVELS, Prestress
+from flexmech.choices import Prestress
 from flexmech.linear_system.assembly.engine import (
     Engine,
     all_constant,
@@ -23,7 +23,6 @@ from flexmech.linear_system.assembly.prestress import (
     LOAD_STEPS,
     MAX_ITERATIONS,
     BalancedLoads,
-    element_tensions,
     refuse_large_displacements,
     straight_forces,
     ties_beyond_pins,
@@ -33,7 +32,7 @@ from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.system import LinearSystem, condense, point_rows
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.link_ties import DependentRows
+from flexmech.linear_system.joints.link_ties import DependentRows, DisplacedTies
 from flexmech.linear_system.joints.position_errors import (
     LESS_LOADED,
     BucklingError,
@@ -43,7 +42,6 @@ from flexmech.linear_system.joints.position_errors import (
     TooManyModesError,
     refuse_positions,
 )
-from flexmech.linear_system.joints.rigid_pose import DisplacedTies, RigidGeometricStiffness
 from flexmech.linear_system.links.body_forces import (
     DeadMoments,
     DisplacedInertia,
@@ -95,7 +93,6 @@ __all__ = [
     "LOAD_STEPS",
     "MAX_ITERATIONS",
     "NEGLIGIBLE",
-    "PRESTRESS_LEVELS",
     "RESTRAINED_ENDS",
     "AttachedPoint",
     "BalancedLoads",
@@ -127,7 +124,6 @@ __all__ = [
     "RefusedPositionsError",
     "RigidBody",
     "RigidFields",
-    "RigidGeometricStiffness",
     "RotationTerms",
     "StaticResponse",
     "StressedLinks",
@@ -147,7 +143,6 @@ __all__ = [
     "connected_matrices",
     "deformations",
     "displacement_row",
-    "element_tensions",
     "has_constant_tangents",
     "has_dampers",
     "has_relative_motion",

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from flexmech.arrays import FloatArray, StepProgress
+from flexmech.arrays import SAME_PLACE, FloatArray, StepProgress
 from flexmech.beams import compare_theories
 from flexmech.choices import (
     ELEMENTS,
@@ -23,23 +23,18 @@ from flexmech.choices import (
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     BalancedLoads,
-    DeadMoments,
     Engine,
     LinkModel,
     LinkPoint,
     Prestress,
-    RigidGeometricStiffness,
     StressedLinks,
     TheoryComparison,
     acts_at_rest,
-    element_tensions,
     inertia_loads,
     refuse_large_displacements,
-    straight_forces,
-    with_rigid_links,
 )
 from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
-from flexmech.linkages.motion import direction
+from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
@@ -141,17 +136,8 @@ class ExudynEngine(Engine):
     def _unit_tension(self) -> dict[int, FloatArray]:
         return unit_tension_stiffness(self.model)
 
-    def stressed_clamped_links(
-        self,
-        motion: RigidMotion,
-        prestress: Prestress,
-        near: Sequence[FloatArray] | None = None,
-    ) -> StressedLinks:
-        """Tangent stiffness of each link; see :meth:`Engine.stressed_links`.
-
-        The static solver goes from one crank angle to the next by itself; ``near`` is not used.
-        """
-        straight = self._is_straight(motion, prestress)
+    def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
+        straight = super()._is_straight(motion, prestress)
         if prestress == "axial" and self.element in self.untensioned_elements:
             other = "" if self.mechanism.is_eccentric else "element 'ancf' or "
             raise InputError(
@@ -159,10 +145,11 @@ class ExudynEngine(Engine):
                 "shape; the geometrically exact beam cannot: use "
                 f"{other}prestress 'equilibrium'"
             )
-        if straight:
-            return StressedLinks.unloaded(self.clamped_links)
-        if prestress == "axial":
-            return self._axial(motion)
+        return straight
+
+    def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
+        # The static solver goes from one crank angle to the next by itself.
+        del near
 
         def displaced(under: BalancedLoads) -> list[FloatArray]:
             dead = self._dead(motion, under.loads, under.at)
@@ -176,37 +163,11 @@ class ExudynEngine(Engine):
             loads = [load + force for load, force in zip(loads, acting, strict=True)]
         refuse_large_displacements(self.clamped_links, motion, moved)
         elastic = {n: tangent[n] for n, link in enumerate(self.clamped_links) if not link.rigid}
-        elastic = dead.add_stiffness(elastic, [q.T for q in moved])
-        of_rigid = self._stiffness_of_rigid(motion, moved, under.loads, dead)
-        stressed = with_rigid_links(self.clamped_frames, elastic, of_rigid, loads)
-        return replace(stressed, displacement=moved, damping=damping)
-
-    def _stiffness_of_rigid(
-        self,
-        motion: RigidMotion,
-        moved: list[FloatArray],
-        loads: list[FloatArray],
-        dead: DeadMoments,
-    ) -> RigidGeometricStiffness | None:
-        """Geometric stiffness of rigid links, hubs and guides under loads, springs and joints.
-
-        Exudyn's linearization does not include the derivative of ``C_q' lambda``.
-        """
-        frames, columns = self.clamped_frames, [q.T for q in moved]
-        if not frames.has_arms:
-            return None
-        inner = internal_forces(self.model, moved)
-        dead.add_forces([force.T for force in inner], columns)
-        beside = [load - force for load, force in zip(loads, inner, strict=True)]
-        by_rotation = dead.by_link(columns)
-        for push in self.connectors.point_forces(motion, moved, radial=True):
-            link, q = push.point.link, moved[push.point.link]
-            beside[link] += push.point.force(motion, push.force, push.torque, q, finite=True)
-            if push.point.rigid:
-                arm = push.point.x * direction(motion.angle[:, link] + q[:, 2])
-                by_rotation[link] = by_rotation[link] + np.sum(push.force * arm, axis=1)
-        ties = frames.displaced_ties_by(motion, moved)
-        return ties.geometric_stiffness(beside, by_rotation)
+        # Exudyn's linearization does not include the derivative of ``C_q' lambda``.
+        arms = self.clamped_frames.has_arms
+        inner = internal_forces(self.model, moved) if arms else [np.zeros_like(q) for q in moved]
+        stressed = self._displaced_links(motion, moved, under.loads, inner, elastic, dead)
+        return replace(stressed, displacement=moved, damping=damping, loads=loads)
 
     def simulate(
         self,
@@ -405,18 +366,23 @@ class ExudynEngine(Engine):
             return None
         return damping_stiffness(self.model, motion, displacement, rate)
 
-    def _axial(self, motion: RigidMotion) -> StressedLinks:
-        """Straight links with the geometric stiffness of their tension."""
-        loads, nodes = self._loads(motion), [link.readings.nodes for link in self.clamped_links]
-        forces, stiffness = straight_forces(
-            self.mechanism, self.rigid_joint_frames, motion, loads, connectors=self.connectors
-        )
-        tensions = element_tensions(nodes, forces)
-        tangent = {
-            n: self.clamped_links[n].stiffness + np.tensordot(tensions[n][..., 0], unit, axes=1)
-            for n, unit in self._unit_tension.items()
-        }
-        tangent = self._dead(motion, loads).add_stiffness(
-            tangent, [np.zeros_like(load.T) for load in loads]
-        )
-        return with_rigid_links(self.frames, tangent, stiffness, loads)
+    def _tensioned(self, motion: RigidMotion, forces: LinkForces) -> dict[int, FloatArray]:
+        """Tangents of the straight links by the mean tension of each element.
+
+        With the crank held most linkages are statically determinate: the linear static solution's
+        axial force is that of the rigid linkage. It is quadratic along an element, and its mean is
+        what the element's end displacements alone would give.
+        """
+        tangent = {}
+        for number, unit in self._unit_tension.items():
+            nodes = self.clamped_links[number].readings.nodes
+            length = np.diff(nodes)
+            inside = SAME_PLACE * length  # off the point masses that may sit at the nodes
+            near, middle, far = (
+                forces.axial_force(number, at)
+                for at in (nodes[:-1] + inside, nodes[:-1] + length / 2, nodes[1:] - inside)
+            )
+            mean = (near + 4 * middle + far) / 6
+            stiffness = self.clamped_links[number].stiffness
+            tangent[number] = stiffness + np.tensordot(mean, unit, axes=1)
+        return tangent

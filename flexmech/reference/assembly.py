@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse
@@ -21,10 +21,8 @@ from scipy.linalg.lapack import dgbsv, dpbtrf, dpbtrs
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
-from flexmech.linear_system import DisplacedTies, LinkFrames
-from flexmech.linkages import JointSpring, LinkEnd, RigidMotion
-from flexmech.linkages.body_motion import BodyPoint
-from flexmech.linkages.connection_forces import end_point
+from flexmech.linear_system import AttachedPoint, Connectors, DisplacedTies, LinkFrames
+from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.reference.corotational import CorotationalElements, in_positions
 
@@ -73,7 +71,7 @@ class LinkRows:
         self._ties: list[tuple[int, IntArray, tuple[IntArray, IntArray]]] = []
         if frames.links[link].rigid:
             self.columns = np.arange(len(frames.rigid.independent_coordinates))
-            self._of_rigid = frames.rigid.of_link(link)
+            self._of_rigid = frames.rigid.of_body(link)
             return
         target = frames.targets[link][rows]
         ties = [
@@ -96,7 +94,7 @@ class LinkRows:
         if self._of_rigid is not None:
             assert ties.displaced is not None
             return np.moveaxis(
-                ties.displaced.pose.coordinates[:, self._of_rigid, : len(self.columns)], 0, -1
+                ties.displaced.coordinates[:, self._of_rigid, : len(self.columns)], 0, -1
             )
         turns = [ties.turns[self.link][number] for number, _, _ in self._ties]
         batch = turns[0].shape[2] if turns else 1
@@ -176,7 +174,7 @@ class LinkageAssembly:
         displaced, rows = None, []
         if self.ties_move:
             displaced = self.frames.displaced_ties(motion, z[: self._rigid_count].T)
-            rows = [[tie.turn for tie in ties] for ties in displaced.rows]
+            rows = displaced.rows
         else:
             rows = [[tie.turn for tie in ties] for ties in self.frames.dependent_rows(motion)]
         return Ties(
@@ -189,12 +187,11 @@ class LinkageAssembly:
         result = []
         for link, target in enumerate(self.frames.targets):
             q = np.where(target[:, None] >= 0, z[target], 0.0)
-            dependent = self.frames.dependencies(link)
-            for number, ((rows, columns), turn) in enumerate(
-                zip(dependent, ties.turns[link], strict=True)
-            ):
-                place = None if ties.displaced is None else ties.displaced.rows[link][number].place
-                q[rows] = (turn * z[columns]).sum(axis=1) if place is None else place.T
+            dependent = zip(self.frames.dependencies(link), ties.turns[link], strict=True)
+            for (rows, columns), turn in dependent:
+                q[rows] = (turn * z[columns]).sum(axis=1)
+            if ties.displaced is not None:
+                ties.displaced.put_places(link, q.T)
             result.append(q)
         return result
 
@@ -203,15 +200,11 @@ class LinkageAssembly:
 
         A dependent end is taken to satisfy its constraint.
         """
-        if not self.ties_move:
-            columns = [q[..., None] for q in displacement]
-            return self.frames.independent(motion, columns)[..., 0].T.copy()
-        z = np.zeros((self.frames.size, len(displacement[0])))
-        for link, (target, q) in enumerate(zip(self.frames.targets, displacement, strict=True)):
-            own = self.frames.independent_coordinates(link)
-            z[target[own]] = q.T[own]
-        pose = self.frames.displaced_ties_by(motion, displacement).pose
-        z[: self._rigid_count] = pose.y[:, self.frames.rigid.independent_coordinates].T
+        columns = [q[..., None] for q in displacement]
+        z = self.frames.independent(motion, columns)[..., 0].T.copy()
+        if self.ties_move:
+            pose = self.frames.displaced_ties_by(motion, displacement)
+            z[: self._rigid_count] = pose.y[:, self.frames.rigid.independent_coordinates].T
         return z
 
     def gather(self, forces: Sequence[FloatArray], ties: Ties) -> FloatArray:
@@ -373,46 +366,26 @@ def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> Flo
     return scale
 
 
-@dataclass(frozen=True)
-class _End:
-    """An end of a spring: sign, coordinates of its link that move it, and point of a rigid one."""
+class _End(NamedTuple):
+    """Sign of an end of a spring, its point, and the rows (r,) of its link that move it."""
 
     sign: float
+    point: AttachedPoint
     rows: IntArray
     by_z: LinkRows
-    point: BodyPoint | None
-
-    @classmethod
-    def of(cls, frames: LinkFrames, end: LinkEnd, sign: float) -> _End:
-        number = frames.topology.index(end.link)
-        link = frames.links[number]
-        rows = np.arange(3) if link.rigid else link.end_displacement(end.end)
-        point = end_point(frames.topology, end) if link.rigid else None
-        return cls(sign, rows, LinkRows(frames, number, rows), point)
-
-    def moved(self, motion: RigidMotion, displaced: DisplacedTies | None) -> FloatArray:
-        """Derivative of its place in ground axes by the coordinates of its link, (2, r, B)."""
-        if self.point is None:
-            angle = motion.angle[:, self.by_z.link]
-            return self.sign * np.stack([direction(angle).T, normal(angle).T], axis=1)
-        assert displaced is not None
-        own = displaced.pose.rigid.of_link(self.by_z.link)
-        moved = displaced.pose.rows([self.point])[:, :, own]
-        return np.asarray(self.sign * np.moveaxis(moved, 0, -1))
 
 
 class RadialSprings:
-    """Radial springs of the joints of one linkage.
+    """Stiffness of the radial springs in the joints of one linkage.
 
     The force of a joint is ``F = k d`` in ground axes with the gap d between its two ends, which is
-    part of the equilibrium. It does not rotate with the links. The place of an end of a rigid link
-    is that of its pose, so that the force has a geometric stiffness as well.
+    part of the equilibrium. It does not rotate with the links.
 
     Parameters
     ----------
     frames : LinkFrames
         Of the unreduced links, without constraints of these joints.
-    springs : sequence of JointSpring
+    connectors : Connectors
 
     Attributes
     ----------
@@ -422,76 +395,45 @@ class RadialSprings:
 
     columns: list[IntArray]
 
-    def __init__(self, frames: LinkFrames, springs: Sequence[JointSpring]) -> None:
-        topology = frames.topology
-        own = [x for x in springs if x.joint in topology.sprung_joints and x.radial_stiffness]
-        self._stiffness = [float(spring.radial_stiffness or 0.0) for spring in own]
-        self._ends = [
-            [_End.of(frames, end, sign) for sign, end in zip((1.0, -1.0), ends, strict=True) if end]
-            for ends in (topology.pinned_ends[spring.joint] for spring in own)
-        ]
+    def __init__(self, frames: LinkFrames, connectors: Connectors) -> None:
+        self._springs: list[tuple[float, list[_End]]] = []
+        for spring in connectors.joint_springs:
+            if spring.radial_stiffness:
+                ends = []
+                for sign, point in zip((1.0, -1.0), connectors.joint_points(spring), strict=True):
+                    if point is not None:
+                        # Those by which the end moves: of an elastic link the displacement there.
+                        rows = np.flatnonzero(point.rows[:2].any(axis=0))
+                        rows = np.arange(3) if point.rigid else rows
+                        ends.append(_End(sign, point, rows, LinkRows(frames, point.link, rows)))
+                self._springs.append((spring.radial_stiffness, ends))
         self.columns = [
-            np.unique(np.concatenate([end.by_z.columns for end in ends])) for ends in self._ends
+            np.unique(np.concatenate([end.by_z.columns for end in ends]))
+            for _, ends in self._springs
         ]
 
-    def add_forces(
-        self,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        forces: Sequence[FloatArray],
-        displaced: DisplacedTies | None,
-    ) -> FloatArray:
-        """Add the spring forces to the internal forces; returns the geometric stiffness.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement, forces : sequence of ndarray, shape (n_link, B)
-        displaced : DisplacedTies or None
-            Of the rigid links at these displacements.
-
-        Returns
-        -------
-        ndarray, shape (B, n_links)
-            Geometric stiffness of rigid links.
-        """
-        rotation_stiffness = np.zeros(motion.angle.shape)
-        for stiffness, ends in zip(self._stiffness, self._ends, strict=True):
-            moved, gap = [end.moved(motion, displaced) for end in ends], np.zeros(1)
-            for end, by_link in zip(ends, moved, strict=True):
-                if end.point is None:
-                    q = displacement[end.by_z.link][end.rows]
-                    gap = gap + np.einsum("crb,rb->cb", by_link, q)
-                else:
-                    assert displaced is not None
-                    gap = gap + end.sign * displaced.pose.displacement([end.point])[:, 0].T
-            force = stiffness * gap
-            for end, by_link in zip(ends, moved, strict=True):
-                forces[end.by_z.link][end.rows] += np.einsum("crb,cb->rb", by_link, force)
-                if end.point is not None:
-                    # A quarter turn back from how a rotation moves the end is its arm.
-                    along, across = by_link[:, 2]
-                    rotation_stiffness[:, end.by_z.link] -= force[0] * across - force[1] * along
-        return rotation_stiffness
-
-    def tangents(self, motion: RigidMotion, ties: Ties) -> Iterator[FloatArray]:
+    def tangents(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray], ties: Ties
+    ) -> Iterator[FloatArray]:
         """Stiffness of each spring by its :attr:`columns`, (m, m, B), one after the other.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
+        displacement : sequence of ndarray, shape (n_link, B)
         ties : Ties
             Of the displaced links.
         """
-        for stiffness, ends, columns in zip(self._stiffness, self._ends, self.columns, strict=True):
-            moved = np.zeros((2, len(columns), len(motion.crank_angle)))
-            for end in ends:
-                by_link = end.moved(motion, ties.displaced)
-                by_z = np.einsum("crb,rnb->cnb", by_link, end.by_z.derivative(ties))
-                moved[:, np.searchsorted(columns, end.by_z.columns)] += by_z
-            yield stiffness * np.einsum("cib,cjb->ijb", moved, moved)
+        for (stiffness, ends), columns in zip(self._springs, self.columns, strict=True):
+            moved = np.zeros((len(motion.crank_angle), 2, len(columns)))
+            for sign, point, rows, by_z in ends:
+                angle = motion.angle[:, point.link]
+                axes = np.stack([direction(angle), normal(angle)], axis=2)
+                by_link = axes @ point.rows_at(displacement[point.link].T)[:, :2, rows]
+                by_ends = by_link @ np.moveaxis(by_z.derivative(ties), -1, 0)
+                moved[:, :, np.searchsorted(columns, by_z.columns)] += sign * by_ends
+            yield stiffness * np.moveaxis(np.swapaxes(moved, 1, 2) @ moved, 0, -1)
 
 
 def solve_band(band: FloatArray, right: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:

@@ -20,16 +20,14 @@ from flexmech.linear_system import (
     Engine,
     LinkModel,
     LinkStretch,
-    Prestress,
     StressedLinks,
     TheoryComparison,
     chain_matrix,
     refuse_large_displacements,
     rigid_link,
-    straight_forces,
-    with_rigid_links,
 )
-from flexmech.linkages import LinkMass, RigidMotion, lumped_elements
+from flexmech.linkages import LinkMass, RigidMotion
+from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
@@ -89,13 +87,6 @@ class ReferenceEngine(Engine):
         return chain if restraint is None else restraint.restrain(chain, mass.mass_per_length)
 
     @cached_property
-    def _lumped(self) -> tuple[int, ...] | None:
-        """Elements whose mass is lumped, by link; None where mass is distributed."""
-        if self.mass == "distributed":
-            return None
-        return lumped_elements(self.mechanism.linkage.topology)
-
-    @cached_property
     def _masses(self) -> tuple[LinkMass, ...]:
         masses = self.mechanism.link_masses_in_order
         if self._lumped is None:
@@ -131,26 +122,13 @@ class ReferenceEngine(Engine):
     @cached_property
     def balance(self) -> ForceBalance:
         """Forces and tangents of displaced links."""
-        return ForceBalance(self.clamped_frames, self.chains, self.mechanism.joint_springs)
+        return ForceBalance(self.clamped_frames, self.chains, self.connectors)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
         alone = not self.connectors.depend_on_displacement
         return Equilibrium(self.balance, stable_alone=alone)
-
-    def stressed_clamped_links(
-        self,
-        motion: RigidMotion,
-        prestress: Prestress,
-        near: Sequence[FloatArray] | None = None,
-    ) -> StressedLinks:
-        """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
-        if self._is_straight(motion, prestress):
-            return StressedLinks.unloaded(self.clamped_links)
-        if prestress == "axial":
-            return self._axial(motion)
-        return self._equilibrium(motion, near)
 
     def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
         varying = self._varying(motion)
@@ -196,15 +174,8 @@ class ReferenceEngine(Engine):
         loads: list[FloatArray],
     ) -> StressedLinks:
         force, of_chains = self.balance.response(displacement, varying)
-        frames, links = self.clamped_frames, self.clamped_links
-        found, dead = None, self._dead(motion, loads, displacement)
-        columns = [q.T for q in displacement]
-        of_chains = dead.add_stiffness(of_chains, columns)
-        dead.add_forces([each.T for each in force], columns)
-        if frames.has_arms:
-            beside = [load - own for load, own in zip(loads, force, strict=True)]
-            found = self.balance.stiffness_of_rigid(motion, displacement, beside, dead)
-        stressed = with_rigid_links(frames, of_chains, found)
+        links, dead = self.clamped_links, self._dead(motion, loads, displacement)
+        stressed = self._displaced_links(motion, displacement, loads, force, of_chains, dead)
         # A rigid link that turns meets its tangent as it is, against the forces that cause it.
         for number, link in enumerate(links):
             if link.rigid:
@@ -235,22 +206,16 @@ class ReferenceEngine(Engine):
         found = self.balance.damping_stiffness(displacement, rate)
         return [found.get(n, np.zeros((*q.shape, q.shape[1]))) for n, q in enumerate(displacement)]
 
-    def _axial(self, motion: RigidMotion) -> StressedLinks:
-        """Straight links with the geometric stiffness of their tension."""
-        frames, loads = self.rigid_joint_frames, self._loads(motion)
-        forces, found = straight_forces(
-            self.mechanism, frames, motion, loads, self._lumped, self.connectors
-        )
-        tangent = {}
+    def _tensioned(self, motion: RigidMotion, forces: LinkForces) -> dict[int, FloatArray]:
+        """Tangents of the straight links; the tension varies inside elements."""
+        tangent, gravity = {}, np.asarray(self.mechanism.gravity)
         for number, chain in self.chains.items():
             nodes, stiffness = chain.nodes, chain.model.stiffness
-            tension = varying_tension(motion, number, chain, np.asarray(self.mechanism.gravity))
+            tension = varying_tension(motion, number, chain, gravity)
             middle = forces.axial_force(number, (nodes[:-1] + nodes[1:]) / 2)
             tension[..., 0] = middle + tension[..., 2] / 2
             tangent[number] = stiffness + chain_matrix(chain.elements.geometric_stiffness(tension))
-        drawn = [np.zeros_like(load.T) for load in loads]
-        tangent = self._dead(motion, loads).add_stiffness(tangent, drawn)
-        return with_rigid_links(frames, tangent, found, loads)
+        return tangent
 
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
         """Geometric stiffness of each element, (e, r, r, B), by flexible link: its varying part.

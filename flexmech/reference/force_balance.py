@@ -6,7 +6,7 @@ Arrays inside end with the batch of positions.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
@@ -15,12 +15,11 @@ import numpy as np
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.link_matrices import Chain
 from flexmech.linear_system import (
+    Connectors,
     DeadMoments,
-    DisplacedTies,
     LinkFrames,
-    RigidGeometricStiffness,
 )
-from flexmech.linkages import JointSpring, RigidMotion
+from flexmech.linkages import RigidMotion
 from flexmech.reference.assembly import LinkageAssembly, LinkRows, RadialSprings, Ties
 from flexmech.reference.corotational import (
     CorotationalElements,
@@ -115,8 +114,8 @@ class ForceBalance:
         Of the unreduced links.
     chains : mapping of int to Chain
         Each flexible link by its number, all of one kind of elements.
-    springs : sequence of JointSpring
-        The radial ones join ends that the frames do not constrain.
+    connectors : Connectors
+        Whose radial springs join ends that the frames do not constrain.
 
     Attributes
     ----------
@@ -126,11 +125,11 @@ class ForceBalance:
     """
 
     def __init__(
-        self, frames: LinkFrames, chains: Mapping[int, Chain], springs: Sequence[JointSpring]
+        self, frames: LinkFrames, chains: Mapping[int, Chain], connectors: Connectors
     ) -> None:
         self.frames = frames
         self.links = {n: CorotationalElements(own.elements) for n, own in chains.items()}
-        self._springs = RadialSprings(frames, springs)
+        self._connectors, self._springs = connectors, RadialSprings(frames, connectors)
         # Energies of whole links, which have off-axis plies between joints. A rigid rotation of the
         # link has no curvature, to first order in the rotations of elements against it.
         self._couplings = {n: x.coupling for n, x in chains.items() if x.coupling is not None}
@@ -174,8 +173,10 @@ class ForceBalance:
             inner[number] = self.links[number].on_nodes(response.force)
             strains.append(response.strain)
         dead.add_forces(inner, displacement)
+        by_rotation = {}
         for link, (rows, stiffness) in dead.rotation_stiffness(displacement).items():
             if link not in self.links:
+                by_rotation[link] = stiffness[0]
                 continue
             own, tangent = self.links[link], entries[1][link]
             per_node = own.elements.shapes.per_node
@@ -183,19 +184,21 @@ class ForceBalance:
             place = own.relative_places[rows - per_node * element]
             tangent[element, place, place] += stiffness
         self._add_coupling(displacement, inner, problem.swelling)
-        rotation_stiffness = self._springs.add_forces(motion, displacement, inner, ties.displaced)
+        for push in self._connectors.radial_forces(motion, [q.T for q in displacement]):
+            link, q = push.point.link, displacement[push.point.link].T
+            inner[link] -= push.on_link(motion, q).T
+            if push.point.rigid:
+                by_rotation[link] = by_rotation[link] + push.rotation_stiffness(motion, q)
         unbalanced = [load - force for load, force in zip(problem.loads, inner, strict=True)]
         rigid = None
         if ties.displaced is not None:
-            found = _geometric_stiffness(
-                ties.displaced, unbalanced, dead, displacement, rotation_stiffness
-            )
-            rigid = ties.displaced.matrix(found)
+            found = ties.displaced.geometric_stiffness([f.T for f in unbalanced], by_rotation)
+            rigid = found.projected(self.frames.rigid, ties.displaced.coordinates)
         coupled = (
             rows.turned(self._couplings[link].stiffness, ties)
             for link, rows in self._coupled.items()
         )
-        joined = chain(self._springs.tangents(motion, ties), coupled)
+        joined = chain(self._springs.tangents(motion, displacement, ties), coupled)
         band = self.assembly.band(entries, ties, rigid, joined)
         return Imbalance(self.assembly.gather(unbalanced, ties), band, strains)
 
@@ -288,45 +291,3 @@ class ForceBalance:
             )
             for number, link in self.links.items()
         }
-
-    def stiffness_of_rigid(
-        self,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        beside: Sequence[FloatArray],
-        dead: DeadMoments,
-    ) -> RigidGeometricStiffness:
-        """Geometric stiffness of rigid links and sliders at given displacements.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement, beside : sequence of ndarray, shape (B, n_link)
-            Where each link is, and outer less inner forces on it there.
-        dead : DeadMoments
-            Of bodies and rigid links.
-
-        Returns
-        -------
-        RigidGeometricStiffness
-        """
-        displaced = self.frames.displaced_ties_by(motion, displacement)
-        columns, inner = [q.T for q in displacement], [-own.T for own in beside]
-        rotation_stiffness = self._springs.add_forces(motion, columns, inner, displaced)
-        unbalanced = [-force for force in inner]
-        return _geometric_stiffness(displaced, unbalanced, dead, columns, rotation_stiffness)
-
-
-def _geometric_stiffness(
-    displaced: DisplacedTies,
-    unbalanced: Sequence[FloatArray],
-    dead: DeadMoments,
-    displacement: Sequence[FloatArray],
-    of_springs: FloatArray,
-) -> RigidGeometricStiffness:
-    """That of rigid links and sliders under forces (n_link, B), and of springs (B, links)."""
-    found = displaced.geometric_stiffness(
-        [force.T for force in unbalanced], dead.by_link(displacement)
-    )
-    return replace(found, rotation_stiffness=found.rotation_stiffness + of_springs)

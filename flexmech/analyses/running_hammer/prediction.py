@@ -20,8 +20,7 @@ from flexmech.dynamical_systems import (
     state_modes,
 )
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.linear_system import Engine, StressedLinks, point_rows
-from flexmech.linkages import RigidMotion
+from flexmech.linear_system import Engine, point_rows
 from flexmech.time_domain import forced_linkage
 
 # Natural modes up to this part of the highest frequency of input and response are kept, and tried.
@@ -163,14 +162,17 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
         solver = LinkageSolver(engine, request.prestress, modes, larger=larger)
         moving = solver.moving_modes(request.speed)
         stressed = engine.stressed_links(moving.turn.motion, request.prestress)
-        connected = _connected(engine, request, moving.turn.displaced, stressed)
+        connected = engine.connected_matrices(
+            engine.frames, moving.turn.displaced, request.prestress, stressed
+        )
+        stiffness = None if connected is None else connected.stiffness
         pair = (request.impact, request.response)
-        systems.append(forced_linkage(moving, stressed, *pair, request.direction, connected))
+        systems.append(forced_linkage(moving, stressed, *pair, request.direction, stiffness))
         steps = max(steps, solver.steps_for(VibratingLinkage.of(moving, modes)))
         if not larger:
             count = moving.size
             hit = forced_linkage(
-                moving, stressed, request.impact, request.impact, request.direction, connected
+                moving, stressed, request.impact, request.impact, request.direction, stiffness
             )
     steps *= 2
     growth_rate = float(floquet_modes(systems[0].system, steps).exponent.real.max())
@@ -182,19 +184,6 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
             crank_speed=request.speed,
         )
     return Prediction(systems[0], systems[1], hit, steps, modes, count, growth_rate)
-
-
-def _connected(
-    engine: Engine, request: RunningHammerRequest, motion: RigidMotion, stressed: StressedLinks
-) -> FloatArray | None:
-    """Stiffness of loads, springs and guides at crank angles (N,) of the unreduced links."""
-    frames = engine.frames
-    found = engine.connected_matrices(frames, motion, request.prestress, stressed.displacement)
-    guide_stiffness = stressed.guide_stiffness
-    if guide_stiffness is None or not guide_stiffness.any():
-        return None if found is None else found.stiffness
-    guide_matrix = frames.guide_matrix(motion, guide_stiffness)
-    return guide_matrix if found is None else found.stiffness + guide_matrix
 
 
 def frozen_response(

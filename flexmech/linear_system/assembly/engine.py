@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
@@ -21,7 +21,13 @@ from flexmech.choices import (
 )
 from flexmech.errors import InputError
 from flexmech.linear_system.assembly.engine_parameters import EngineParameters, check_elastic
-from flexmech.linear_system.assembly.prestress import BalancedLoads, Solve, balanced_loads
+from flexmech.linear_system.assembly.prestress import (
+    BalancedLoads,
+    Solve,
+    balanced_loads,
+    straight_forces,
+    with_rigid_links,
+)
 from flexmech.linear_system.assembly.system import LinearSystem, assembled_system
 from flexmech.linear_system.joints.carried_linkage import CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
@@ -44,6 +50,7 @@ from flexmech.linear_system.reduction.component_modes import (
     fix_interfaces,
 )
 from flexmech.linkages import RigidMotion, Topology, lumped_elements
+from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.linkages.motion import checked_drive
 from flexmech.validation import (
     POSITIVE,
@@ -117,11 +124,17 @@ class Engine(EngineParameters):
     @property
     def lumped_mass_count(self) -> int:
         """Number of lumped masses; zero where mass is distributed."""
-        if self.mass == "distributed":
+        if self._lumped is None:
             return 0
-        topology = self.mechanism.linkage.topology
-        elements = zip(self.mechanism.link_masses_in_order, lumped_elements(topology), strict=True)
+        elements = zip(self.mechanism.link_masses_in_order, self._lumped, strict=True)
         return sum(len(mass.lumps(count)) for mass, count in elements)
+
+    @cached_property
+    def _lumped(self) -> tuple[int, ...] | None:
+        """Elements whose mass is lumped, by link; None where mass is distributed."""
+        if self.mass == "distributed":
+            return None
+        return lumped_elements(self.mechanism.linkage.topology)
 
     @property
     def batch_size(self) -> int:
@@ -319,31 +332,21 @@ class Engine(EngineParameters):
         ComputationError
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
-        stressed = self.stressed_clamped_links(motion, prestress, near)
-        if not self._is_straight(motion, prestress):
-            inertia = self.displaced_inertia(motion)
-            stressed = without_spin_softening(self.clamped_links, motion, stressed, inertia)
+        if self._is_straight(motion, prestress):
+            return replace(StressedLinks.unloaded(self.clamped_links), motion=motion)
+        axial = prestress == "axial"
+        stressed = self._axial(motion) if axial else self._equilibrium(motion, near)
+        return self._in_motion(motion, stressed)
+
+    def _in_motion(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
+        """Links under dead loads without the centrifugal stiffness of what turns on them."""
+        inertia = self.displaced_inertia(motion)
+        stressed = without_spin_softening(self.clamped_links, motion, stressed, inertia)
         return replace(stressed, motion=motion)
 
     @abstractmethod
-    def stressed_clamped_links(
-        self,
-        motion: RigidMotion,
-        prestress: Prestress,
-        near: Sequence[FloatArray] | None = None,
-    ) -> StressedLinks:
-        """Stressed links without the shaft's inertia; see :meth:`stressed_links`.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-        prestress : {"none", "axial", "equilibrium"}
-        near : sequence of ndarray, shape (B, n_link), optional
-
-        Returns
-        -------
-        StressedLinks
-        """
+    def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
+        """Links at equilibrium without the shaft's inertia; see :meth:`stressed_links`."""
 
     @property
     def axial_modes_of_bows(self) -> int:
@@ -423,6 +426,63 @@ class Engine(EngineParameters):
             solve_connects=self.solves_connectors,
         )
 
+    def _axial(self, motion: RigidMotion) -> StressedLinks:
+        """Straight links with the geometric stiffness of their tension."""
+        loads, frames = self._loads(motion), self.rigid_joint_frames
+        forces, of_rigid = straight_forces(
+            self.mechanism, frames, motion, loads, self._lumped, self.connectors
+        )
+        tangents = self._dead(motion, loads).add_stiffness(
+            self._tensioned(motion, forces), [np.zeros_like(load.T) for load in loads]
+        )
+        return with_rigid_links(frames, tangents, of_rigid, loads)
+
+    @abstractmethod
+    def _tensioned(self, motion: RigidMotion, forces: LinkForces) -> dict[int, FloatArray]:
+        """Tangents (B, n_link, n_link) of the flexible straight links under forces in them."""
+
+    def _displaced_links(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        loads: Sequence[FloatArray],
+        inner: Sequence[FloatArray],
+        elastic: Mapping[int, FloatArray],
+        dead: DeadMoments,
+    ) -> StressedLinks:
+        """Tangents of displaced links, with the geometric stiffness of what turns on them.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement, loads : sequence of ndarray, shape (B, n_link)
+            Where the links are, and forces on them, without those that the engine solves for.
+        inner : sequence of ndarray, shape (B, n_link)
+            Internal forces, from which what dead moments lose as bodies turn is taken in place.
+        elastic : mapping of int to ndarray, shape (B, n_link, n_link)
+            Tangents of the flexible links.
+        dead : DeadMoments
+            At this displacement.
+        """
+        frames, columns, of_rigid = self.clamped_frames, [q.T for q in displacement], None
+        tangents = dead.add_stiffness(elastic, columns)
+        dead.add_forces([force.T for force in inner], columns)
+        if frames.has_arms:
+            beside = [load - force for load, force in zip(loads, inner, strict=True)]
+            by_rotation = dead.by_link(columns)
+            pushes = self.connectors.radial_forces(motion, displacement)
+            if self.solves_connectors:
+                pushes += self.connectors.point_forces(motion, displacement)
+            for push in pushes:
+                link, q = push.point.link, displacement[push.point.link]
+                beside[link] += push.on_link(motion, q)
+                if push.point.rigid:
+                    by_rotation[link] = by_rotation[link] + push.rotation_stiffness(motion, q)
+            ties = frames.displaced_ties_by(motion, displacement)
+            of_rigid = ties.geometric_stiffness(beside, by_rotation)
+        return with_rigid_links(frames, tangents, of_rigid)
+
     def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
         """Whether the links are linearized about the straight, stress-free state."""
         if self.mechanism.is_free_strained:
@@ -500,9 +560,9 @@ class Engine(EngineParameters):
         frames: LinkFrames,
         motion: RigidMotion,
         prestress: Prestress,
-        displacement: Sequence[FloatArray] | None,
+        stressed: StressedLinks,
     ) -> ConnectedMatrices | None:
-        """Stiffness and damping of loads and springs.
+        """Stiffness and damping between links: of loads and springs, and of guides under forces.
 
         Parameters
         ----------
@@ -511,17 +571,24 @@ class Engine(EngineParameters):
         motion : RigidMotion
             Batch of shape (B,).
         prestress : {"none", "axial", "equilibrium"}
-        displacement : sequence of ndarray, shape (B, n_link), or None
-            Of the unreduced links in the state about which to linearize.
+        stressed : StressedLinks
+            The state about which to linearize.
 
         Returns
         -------
         ConnectedMatrices or None
-            In the coordinates of ``frames``; None where there are no loads and springs.
+            In the coordinates of ``frames``; None where nothing acts between links.
         """
-        if not self.connectors.any:
-            return None
-        return self.connectors.matrices(frames, motion, prestress, displacement)
+        connected = None
+        if self.connectors.any:
+            connected = self.connectors.matrices(frames, motion, prestress, stressed.displacement)
+        if stressed.guide_stiffness is None or not stressed.guide_stiffness.any():
+            return connected
+        guides = frames.guide_matrix(motion, stressed.guide_stiffness)
+        if connected is not None:
+            return replace(connected, stiffness=connected.stiffness + guides)
+        zero = np.zeros_like(guides)
+        return ConnectedMatrices(guides, zero, zero, is_conservative=True)
 
     def fastest(self, motion: RigidMotion) -> float:
         """Greatest angular velocity of a link in a motion in rad/s."""

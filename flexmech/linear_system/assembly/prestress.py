@@ -18,7 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.arrays import FloatArray
+from flexmech.linear_system.joints.joint_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.position_errors import (
     LESS_LOADED,
@@ -26,7 +27,6 @@ from flexmech.linear_system.joints.position_errors import (
     EquilibriumError,
     refuse_positions,
 )
-from flexmech.linear_system.joints.rigid_pose import RigidGeometricStiffness
 from flexmech.linear_system.links.body_forces import DeadMoments, DisplacedInertia
 from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
@@ -136,24 +136,19 @@ def balanced_loads(
             return total
         return _sum(total, displaced_inertia.on_undeformed(displacement))
 
-    def residual() -> FloatArray:
-        """Forces at the displacement less those under which it was found."""
-        excess = [b - a for a, b in zip(force, forces(displacement), strict=True)]
-        return frames.gather(motion, excess)
-
-    force = forces(None)
+    force, moved = forces(None), None
     if displaced_inertia is None and (solve_connects or not connectors.depend_on_displacement):
         return BalancedLoads(_sum(loads, force), None)
     stiffness: Sequence[FloatArray] = [link.stiffness for link in frames.links]
-    displacement = undisplaced
-    unbalanced = frames.gather(motion, _sum(loads, force))
-    if displaced_inertia is not None:
-        # Near its first frequency a body is stiff by its tension alone, which it has then.
-        displacement = solve(BalancedLoads(_sum(loads, force), None))
-        stiffness, unbalanced = tangents(displacement), residual()
+    displacement, unbalanced = undisplaced, _sum(loads, force)
     load_change = np.full(len(motion.crank_angle), np.inf)
     converged = np.zeros(len(load_change), dtype=bool)
     for number in range(MOST_PASSES):
+        # Near its first frequency a body is stiff by its tension alone, which straight links lack.
+        if number or displaced_inertia is not None:
+            displacement = solve(BalancedLoads(_sum(loads, force), moved))
+            stiffness = tangents(displacement)
+            unbalanced = [b - a for a, b in zip(force, forces(displacement), strict=True)]
         if displaced_inertia is not None:
             pairs = zip(stiffness, displaced_inertia.matrices(displacement), strict=True)
             stiffness = [tangent - matrix for tangent, matrix in pairs]
@@ -161,7 +156,8 @@ def balanced_loads(
         against = connectors.added(
             frames, motion, links, FROZEN, "equilibrium", displacement
         ).stiffness
-        step = frames.link_coordinates(motion, np.linalg.solve(against, unbalanced[..., None]))
+        right = frames.gather(motion, unbalanced)[..., None]
+        step = frames.link_coordinates(motion, np.linalg.solve(against, right))
         moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
         before, force, last = force, forces(moved), load_change
         load_change = _greatest([b - a for a, b in zip(before, force, strict=True)])
@@ -172,8 +168,6 @@ def balanced_loads(
             if displaced_inertia is not None:
                 _refuse_instability(motion, against, follow=connectors.follow)
             return BalancedLoads(_sum(loads, force), moved)
-        displacement = solve(BalancedLoads(_sum(loads, force), moved))
-        stiffness, unbalanced = tangents(displacement), residual()
     refuse_positions(
         motion,
         ~converged,
@@ -360,36 +354,3 @@ def with_rigid_links(
             own = found.rotation_stiffness[:, number, None]
             tangents[number] = with_entries(tangents[number], turn, turn, own)
     return StressedLinks(tangents, loads=loads, guide_stiffness=found.guide_stiffness)
-
-
-def element_tensions(nodes: Sequence[FloatArray], forces: LinkForces) -> list[FloatArray]:
-    """Axial force in each element under the motion's inertia forces, in N.
-
-    With the crank held most linkages are statically determinate: the linear static
-    solution's axial force is that of the rigid linkage. It is quadratic along an element,
-    and its mean is what the element's end displacements alone would give.
-
-    Parameters
-    ----------
-    nodes : sequence of ndarray, shape (e + 1,)
-        Node positions along each link in m.
-    forces : LinkForces
-        In the links, in B positions.
-
-    Returns
-    -------
-    list of ndarray, shape (B, e, 3)
-        Legendre coefficients along each element: mean, linear, quadratic.
-    """
-    tensions = []
-    for link, places in enumerate(nodes):
-        length = np.diff(places)
-        inside = SAME_PLACE * length  # off the point masses that may sit at the nodes
-        near, middle, far = (
-            forces.axial_force(link, at)
-            for at in (places[:-1] + inside, places[:-1] + length / 2, places[1:] - inside)
-        )
-        mean = (near + 4 * middle + far) / 6
-        quadratic = (near + far - 2 * middle) / 3
-        tensions.append(np.stack([mean, (far - near) / 2, quadratic], axis=-1))
-    return tensions

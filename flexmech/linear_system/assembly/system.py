@@ -164,9 +164,10 @@ class LinearSystem:
             return [k.mass @ q for k, q in zip(links, shapes, strict=True)], of_frame
         weights, moved = [], self._split(vectors)[1][0]
         fields = self.carried.fields(self.motion)[:, 0]
-        for link, shape, field in zip(links, shapes, fields, strict=True):
-            own, forces = link.fields, rigid_inertia(link)[:, :3]
-            rigid = np.stack([own.along, own.across, own.tangential], axis=1)
+        for link, shape, field, rigid in zip(
+            links, shapes, fields, self.carried.rigid, strict=True
+        ):
+            forces = rigid_inertia(link)[:, :3]
             weights.append(link.mass @ shape + forces @ field @ moved)
             of_frame = of_frame + field.T @ forces.T @ (shape + rigid @ field @ moved)
         return weights, of_frame + self.carried.frame.inertia_matrix @ moved
@@ -351,9 +352,9 @@ def _damping(
         return None, None
     damping, end_damping = [], []
     for full, link, matrix in zip(links, reduction.links, stressed.damping, strict=True):
-        names = ("start", "end", "start_rotation", "end_rotation")
-        kept = {name: getattr(link.model, name) for name in names}
-        ends = full.end_basis(link.model.size, kept) if not full.rigid else link.basis
+        ends = (
+            full.end_basis(link.model.size, link.model.kept_ends) if not full.rigid else link.basis
+        )
         forces = link.basis.T @ matrix
         damping.append(forces @ link.basis)
         end_damping.append(forces @ ends)

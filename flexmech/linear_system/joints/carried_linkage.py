@@ -15,7 +15,7 @@ turns, the inertia forces of the rigid motion turn with it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, row_products
 from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.joints.link_ties import DependentRows
 from flexmech.linear_system.links.link_inertia import FIELDS, LinkInertia, field_coefficients
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
@@ -91,10 +92,8 @@ class CarriedLinkage:
         inertias, of_ends, rigid = [], [], []
         for own, full, basis in zip(frames.links, links, bases, strict=True):
             inertias.append(LinkInertia.of(own, full, basis))
-            names = ("start", "end", "start_rotation", "end_rotation")
-            kept = {name: getattr(own, name) for name in names}
             alone = own.reduced_ends is not None
-            unit = full.end_basis(own.size, kept) if alone else basis
+            unit = full.end_basis(own.size, own.kept_ends) if alone else basis
             of_ends.append(LinkInertia.of(own, full, unit))
             fields = [getattr(full.fields, name) for name in FIELDS[:COORDINATES]]
             rigid.append(np.stack(fields, axis=1))
@@ -263,12 +262,12 @@ class CarriedLinkage:
 
     def _add_loads(self, motion: RigidMotion, time: FloatArray | None, stiffness: _Block) -> None:
         """Add to the stiffness that loads keep their directions as the frame turns under them."""
-        topology, dependent = self.mechanism.linkage.topology, self.frames.dependent_rows(motion)
+        topology = self.mechanism.linkage.topology
         for push, arm in self._pushes(motion, time):
             length = topology.links[push.link].length
             fraction = float(push.x) / length
             point = AttachedPoint.of(self.frames.links, push.link, fraction, length)
-            moved = PointJacobian.of(point, self.frames, motion, dependent[push.link]).value
+            moved = PointJacobian.of(point, self.frames, motion).value
             leaning = np.einsum("bk,bkn->bn", quarter_turn(push.force), moved[:, :2])
             stiffness.by_frame[:, :, 2] += leaning
             stiffness.on_frame[:, 2] += leaning
@@ -326,7 +325,6 @@ class CarriedLinkage:
         mass, damping, stiffness = blocks
         # An acceleration of the frame, the rotation of weight, that of the rigid acceleration.
         pushed, swung, leaning, turned = [], [], [], []
-        rows = _Rows(self.frames, motion, terms)
         accelerates = terms.centripetal or terms.tangential
         quarter = np.array([-self.gravity[1], self.gravity[0]])
         for number, (field, inertia) in enumerate(
@@ -352,8 +350,7 @@ class CarriedLinkage:
             )
             leaning.append(weight @ inertia.mass[:, :2].T)
             stiffness.frame[:, 2, 2] += self._weight_about_centre(motion, number)
-            of_ends = self.of_ends[number]
-            rows.add(damping, stiffness, number, across, inertia, of_ends)
+            self._add_rows(damping, stiffness, motion, terms, number, across)
         gather = self.frames.gather
         mass.by_frame[:] = gather(motion, pushed)
         mass.on_frame[:] = np.swapaxes(mass.by_frame, 1, 2)
@@ -362,6 +359,39 @@ class CarriedLinkage:
         # The displaced links have the rigid acceleration at another arm.
         stiffness.on_frame[:, 2] += stiffness.by_frame[:, :, 2] - gather(motion, turned)
         return blocks
+
+    def _add_rows(
+        self,
+        damping: _Block,
+        stiffness: _Block,
+        motion: RigidMotion,
+        terms: RotationTerms,
+        link: int,
+        across: FloatArray,
+    ) -> None:
+        """Add forces on the frame by velocities and displacements of a link to the blocks.
+
+        ``across`` (B, 3, 3) has the link's fields by the frame's coordinates, transposed.
+        """
+        speed = motion.angular_velocity[:, link, None, None]
+        alpha = motion.angular_acceleration[:, link, None, None]
+        inertia, of_ends = self.inertias[link], self.of_ends[link]
+
+        def moving(
+            rows: FloatArray, rate: Callable[[DependentRows], FloatArray] | None = None
+        ) -> FloatArray:
+            return self.frames.by_independent(motion, link, across @ rows[:, :3].T, rate)
+
+        turned = moving(inertia.turned)
+        if terms.coriolis:
+            carried = moving(of_ends.mass, lambda tie: tie.rate)
+            damping.on_frame[:] += 2 * carried - 2 * speed * turned
+        if terms.tangential:
+            stiffness.on_frame[:] -= alpha * turned
+        if terms.centripetal:
+            stiffness.on_frame[:] -= speed**2 * moving(inertia.translational)
+            stiffness.on_frame[:] -= 2 * speed * moving(of_ends.turned, lambda tie: tie.rate)
+        stiffness.on_frame[:] += moving(of_ends.mass, lambda tie: tie.acceleration(terms))
 
     def _weight_about_centre(self, motion: RigidMotion, link: int) -> FloatArray:
         """Virial of a link's weight about the frame's centre in N m, (B,)."""
@@ -395,62 +425,6 @@ class _Block:
             np.zeros((batch, COORDINATES, size)),
             np.tile(frame, (batch, 1, 1)),
         )
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """Forces on the frame by velocities and displacements of the links."""
-
-    frames: LinkFrames
-    motion: RigidMotion
-    terms: RotationTerms
-
-    @cached_property
-    def _dependent(self) -> list[list[Any]]:
-        return [list(own) for own in self.frames.dependent_rows(self.motion)]
-
-    def add(
-        self,
-        damping: _Block,
-        stiffness: _Block,
-        link: int,
-        across: FloatArray,
-        inertia: LinkInertia,
-        of_ends: LinkInertia,
-    ) -> None:
-        """Add those of a link, whose fields (B, 3, 3) are given transposed, to the blocks."""
-        motion, terms = self.motion, self.terms
-        speed = motion.angular_velocity[:, link, None, None]
-        alpha = motion.angular_acceleration[:, link, None, None]
-        by_rate = -2 * speed * (across @ inertia.turned[:, :3].T)
-        moving = across @ of_ends.mass[:, :3].T
-        if terms.coriolis:
-            self._gathered(damping.on_frame, link, by_rate)
-        by_place = np.zeros_like(by_rate)
-        if terms.tangential:
-            by_place -= alpha * (across @ inertia.turned[:, :3].T)
-        if terms.centripetal:
-            by_place -= speed**2 * (across @ inertia.translational[:, :3].T)
-        self._gathered(stiffness.on_frame, link, by_place)
-        swinging = -2 * speed * (across @ of_ends.turned[:, :3].T)
-        for tie in self._dependent[link]:
-            columns, rows = tie.columns, tie.rows
-            if terms.coriolis:
-                damping.on_frame[:, :, columns] += 2 * moving[:, :, rows] @ tie.rate
-            if terms.centripetal:
-                stiffness.on_frame[:, :, columns] += swinging[:, :, rows] @ tie.rate
-            if terms.centripetal or terms.tangential:
-                change = tie.acceleration(terms)
-                stiffness.on_frame[:, :, columns] += moving[:, :, rows] @ change
-
-    def _gathered(self, total: FloatArray, link: int, rows: FloatArray) -> None:
-        """Add rows (B, 3, n_link) by a link's coordinates to those by independent ones."""
-        target = self.frames.targets[link].copy()
-        for tie in self._dependent[link]:
-            total[:, :, tie.columns] += rows[:, :, tie.rows] @ tie.turn
-            target[tie.rows] = -1
-        free = np.flatnonzero(target >= 0)
-        total[:, :, target[free]] += rows[:, :, free]
 
 
 def _along_and_across(

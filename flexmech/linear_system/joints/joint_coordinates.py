@@ -10,13 +10,12 @@ partitioning). Ends of elastic links depend on rigid ones, never these on them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linear_system.joints.position_errors import refuse_positions
@@ -67,16 +66,16 @@ class DisplacedMotion(RigidMotion):
         turn : ndarray, shape (B, n_links)
         slide : ndarray, shape (B, n_sliders)
         """
-        own = {field.name: getattr(motion, field.name) for field in fields(RigidMotion)}
-        own["angle"] = motion.angle + turn
-        return cls(**own, turn=turn, slide=slide)
+        values = {field.name: getattr(motion, field.name) for field in fields(RigidMotion)}
+        values["angle"] = motion.angle + turn
+        return cls(**values, turn=turn, slide=slide)
 
     @property
     def undisplaced(self) -> RigidMotion:
         """The rigid motion itself."""
-        own = {field.name: getattr(self, field.name) for field in fields(RigidMotion)}
-        own["angle"] = self.angle - self.turn
-        return RigidMotion(**own)
+        values = {field.name: getattr(self, field.name) for field in fields(RigidMotion)}
+        values["angle"] = self.angle - self.turn
+        return RigidMotion(**values)
 
 
 def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, ComplexArray]:
@@ -119,27 +118,6 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
             slid[1][:, number] = line.along * dot(line.along, rate)
             slid[2][:, number] = line.along * dot(line.along, second)
     return bodies, slid
-
-
-def general_position(topology: Topology) -> RigidMotion:
-    """One position with random link angles and origins, for rank decisions.
-
-    Parameters
-    ----------
-    topology : Topology
-
-    Returns
-    -------
-    RigidMotion
-        Batch of shape (1,) of links at rest, which need not meet.
-    """
-    random = np.random.default_rng(0)
-    count = len(topology.links)
-    angle, zero = random.uniform(-np.pi, np.pi, (1, count)), np.zeros((1, count))
-    length = max(link.length for link in topology.links)
-    origin = length * random.uniform(-1.0, 1.0, (1, count, 2))
-    nowhere = np.zeros((1, count, 2))
-    return RigidMotion(zero[:, 0], zero[:, 0], angle, zero, zero, origin, nowhere, nowhere)
 
 
 @dataclass(frozen=True)
@@ -205,22 +183,17 @@ class JointCoordinates:
         ends = dict.fromkeys(self._leading_ends())
         self.ends = {end: len(topology.links) + n for n, end in enumerate(ends)}
         self._link_of = [topology.index(end.link) for end in self.ends]
-        bodies = (*self.links, *self.ends.values())
-        count = 3 * len(bodies)
+        self._bodies = (*self.links, *self.ends.values())
+        count = 3 * len(self._bodies)
         self.slides = np.arange(count, count + len(topology.sliders))
         self.size = count + len(self.slides)
         conditions: list[Condition] = [*self._coincidences(), *self._equal_angles()]
-        self.constraints = Constraints(conditions, bodies, len(self.slides))
+        self.constraints = Constraints(conditions, self._bodies, len(self.slides))
         independent, self.dependent_coordinates, self.rows = self._choose()
         of_ends = (independent >= 3 * len(self.links)) & (independent < count)
         self.independent_coordinates = independent[~of_ends]
         self.w = np.concatenate([self.independent_coordinates, independent[of_ends]])
-        self._determining: dict[BodyPoint | tuple[int, ...], NDArray[np.bool_]] = {}
         self.receding = [end for end in self.ends if end in self._hubs]
-        self.chosen = np.zeros((self.size, len(self.w) + len(self.receding)))
-        self.chosen[self.w, np.arange(len(self.w))] = 1.0
-        for number, end in enumerate(self.receding):
-            self.chosen[self.of_end(end)[0], len(self.w) + number] = self._hubs[end]
 
     @property
     def are_finite(self) -> bool:
@@ -231,26 +204,21 @@ class JointCoordinates:
         """Whether an end is that of a rigid link."""
         return self.topology.index(end.link) in self.links
 
-    def of_link(self, link: int) -> IntArray:
-        """The three coordinates of a rigid link among y."""
-        return 3 * self.links.index(link) + np.arange(3)
-
-    def of_end(self, end: LinkEnd) -> IntArray:
-        """The three coordinates of a leading end among y."""
-        number = self.ends[end] - len(self.topology.links)
-        return 3 * (len(self.links) + number) + np.arange(3)
-
-    def end_at(self, point: BodyPoint) -> LinkEnd | None:
-        """The end that a point is; None of one of a rigid link or a line."""
-        number = point.body - len(self.topology.links)
-        return None if number < 0 else list(self.ends)[number]
+    def of_body(self, number: int) -> IntArray:
+        """The three coordinates among y of a rigid link or of a leading end, by its number."""
+        return 3 * self._bodies.index(number) + np.arange(3)
 
     def rotation(self, turn: JoinedEnds) -> int:
         """The coordinate among y that is the rotation of ends which are not fixed."""
-        rigid = [end for end in turn.ends if self.is_rigid(end)]
-        if rigid:
-            return int(self.of_link(self.topology.index(rigid[0].link))[2])
-        return int(self.of_end(turn.ends[0])[2])
+        return int(self.of_body(self._leading(turn).body)[2])
+
+    def _leading(self, joined: JoinedEnds) -> BodyPoint:
+        """Point of the end that leads: the first of a rigid link, or of all."""
+        return self._point(next(filter(self.is_rigid, joined.ends), joined.ends[0]))
+
+    def _point(self, end: LinkEnd) -> BodyPoint:
+        """Point that an end of a rigid link, or a leading one, is of its body."""
+        return BodyPoint(self.ends[end]) if end in self.ends else end_point(self.topology, end)
 
     def bodies(self, motion: RigidMotion) -> tuple[BodyMotion, ComplexArray]:
         """All links, leading ends and the ground about their reference points, and what slides.
@@ -299,26 +267,40 @@ class JointCoordinates:
         ComputationError
             Where the independent ones do not determine the others; names the crank angle.
         """
-        batch, dependent = len(motion.crank_angle), self.dependent_coordinates
+        dependent = self.dependent_coordinates
         if not len(dependent):
-            zero = np.broadcast_to(0.0, (batch, *self.chosen.shape))
-            return MatrixWithRates(np.broadcast_to(self.chosen, zero.shape), zero, zero, zero)
+            of_all = np.broadcast_to(
+                self._of_chosen, (len(motion.crank_angle), *self._of_chosen.shape)
+            )
+            zero = np.broadcast_to(0.0, of_all.shape)
+            return MatrixWithRates(of_all, zero, zero, zero)
         jacobian = self.constraints.jacobian_with_rates(*self.bodies(motion)).rows(self.rows)
         across = jacobian.columns(dependent)
         self.refuse_locked(motion, across.value)
-        parts = np.zeros((4, batch, *self.chosen.shape))
-        parts[0] = self.chosen
-        parts[:, :, dependent, : len(self.w)] = across.solve(-jacobian.columns(self.w)).parts
-        return MatrixWithRates(*parts)
+        return MatrixWithRates(*self._completed(across.solve(-jacobian.columns(self.w)).parts))
 
     def finite_dependence(self, jacobian: FloatArray) -> FloatArray:
         """Derivative of all coordinates by w, (B, size, n), by a Jacobian (B, d, size)."""
-        dependent = self.dependent_coordinates
-        moved = np.tile(self.chosen, (len(jacobian), 1, 1))
-        if len(dependent):
-            solved = np.linalg.solve(jacobian[:, :, dependent], jacobian[:, :, self.w])
-            moved[:, dependent, : len(self.w)] = -solved
-        return moved
+        across, by_w = jacobian[:, :, self.dependent_coordinates], jacobian[:, :, self.w]
+        solved = np.asarray(-np.linalg.solve(across, by_w), dtype=float)
+        return np.asarray(self._completed([solved])[0])
+
+    def _completed(self, dependent: Sequence[FloatArray]) -> FloatArray:
+        """All coordinates by w: value and rates (k, B, size, n), from dependent ones (B, d, n)."""
+        parts = np.zeros((len(dependent), len(dependent[0]), *self._of_chosen.shape))
+        parts[0] = self._of_chosen
+        for order, solved in enumerate(dependent):
+            parts[order][:, self.dependent_coordinates, : len(self.w)] = solved
+        return parts
+
+    @cached_property
+    def _of_chosen(self) -> FloatArray:
+        """Coordinates (size, n) by the independent ones, without the dependent ones."""
+        chosen = np.zeros((self.size, len(self.w) + len(self.receding)))
+        chosen[self.w, np.arange(len(self.w))] = 1.0
+        for number, end in enumerate(self.receding):
+            chosen[self.of_body(self.ends[end])[0], len(self.w) + number] = self._hubs[end]
+        return chosen
 
     def leader(self, point: JoinedEnds) -> BodyPoint | None:
         """Point of a line, of a rigid link or of an end on which other ends at a joint depend.
@@ -336,10 +318,7 @@ class JointCoordinates:
             return None
         if point.slider is not None:
             return self.point_on_line(point.slider)
-        rigid = [end for end in point.ends if self.is_rigid(end)]
-        if rigid:
-            return end_point(self.topology, rigid[0])
-        return BodyPoint(self.ends[point.ends[0]])
+        return self._leading(point)
 
     def point_on_line(self, number: int) -> BodyPoint:
         """Point of a slider on its line."""
@@ -359,29 +338,33 @@ class JointCoordinates:
         """
         return self.constraints.points(points).jacobian_with_rates(*self.bodies(motion))
 
-    def determining(self, source: BodyPoint | IntArray) -> NDArray[np.bool_]:
-        """Which of w, and of what recedes, determine a point or some of these coordinates, (n,).
-
-        In a general position, once and for all.
-        """
-        key = source if isinstance(source, BodyPoint) else tuple(source.tolist())
-        if key not in self._determining:
-            motion, y = self.general_position, self._general_dependence
-            if isinstance(source, BodyPoint):
-                by = self.displacement_rows(motion, [source]).value @ y
-            else:
-                by = y[:, source]
-            size = np.abs(by[0]).max(axis=0, initial=0.0)
-            self._determining[key] = size > RANK_TOLERANCE
-        return self._determining[key]
-
     @cached_property
     def general_position(self) -> RigidMotion:
-        """One generic position for rank decisions; the links need not meet in it."""
-        return general_position(self.topology)
+        """One position with random link angles and origins, for rank decisions.
+
+        The links are at rest and need not meet in it.
+        """
+        random, links = np.random.default_rng(0), self.topology.links
+        angle, zero = random.uniform(-np.pi, np.pi, (1, len(links))), np.zeros((1, len(links)))
+        length = max(link.length for link in links)
+        origin = length * random.uniform(-1.0, 1.0, (1, len(links), 2))
+        nowhere = np.zeros_like(origin)
+        return RigidMotion(zero[:, 0], zero[:, 0], angle, zero, zero, origin, nowhere, nowhere)
 
     @cached_property
-    def _general_dependence(self) -> FloatArray:
+    def general_rows(self) -> Callable[[BodyPoint], FloatArray]:
+        """From a point to its displacement in that position by w, (1, 2, n)."""
+
+        @cache
+        def rows(point: BodyPoint) -> FloatArray:
+            moved = self.displacement_rows(self.general_position, [point]).value
+            return np.asarray(moved @ self.general_dependence)
+
+        return rows
+
+    @cached_property
+    def general_dependence(self) -> FloatArray:
+        """Derivative of all coordinates by w in that position, (1, size, n)."""
         return self.dependence(self.general_position).value
 
     def _leading_ends(self) -> Iterator[LinkEnd]:
@@ -394,16 +377,16 @@ class JointCoordinates:
     def _coincidences(self) -> Iterator[Coincidence]:
         """Ends of rigid links that coincide with the leader or a fixed point, and ends on hubs."""
         ground = BodyPoint(GROUND_AFTER_LINKS)
-        for point in self.points:
-            rigid = [end for end in point.ends if self.is_rigid(end)]
-            leader = self.leader(point)
-            for end in rigid[1 if leader and leader.slide is None else 0 :]:
-                yield Coincidence(self._pinned(end), leader or ground)
+        for joined in self.points:
+            leader = self.leader(joined) or ground
+            for end in filter(self.is_rigid, joined.ends):
+                if self._point(end) != leader:
+                    yield Coincidence(self._pinned(end), leader)
         yield from (Coincidence(self._pinned(end), ground) for end in self._hubs)
 
     def _pinned(self, end: LinkEnd) -> BodyPoint:
         """Point of a body that is pinned for an end: of a clamped one that on the axis."""
-        point = BodyPoint(self.ends[end]) if end in self.ends else end_point(self.topology, end)
+        point = self._point(end)
         return replace(point, place=point.place - self._hubs.get(end, 0.0))
 
     def _equal_angles(self) -> Iterator[EqualAngle]:
@@ -468,6 +451,45 @@ class JointCoordinates:
             ": their constraints do not determine their motion; leave that crank angle out, or "
             "make one of the links elastic",
         )
+
+
+@dataclass(frozen=True)
+class RigidGeometricStiffness:
+    """Geometric stiffness of rigid links and sliders under dead loads and joint forces.
+
+    Parameters
+    ----------
+    rotation_stiffness : ndarray, shape (B, n_links)
+        Of each rigid link by its rotation in N m/rad; of a flexible one that of its hub.
+    guide_stiffness : ndarray, shape (B, n_sliders)
+        Between the rotation of a slider's guide and its slide in N/rad; zero on the ground.
+    """
+
+    rotation_stiffness: FloatArray
+    guide_stiffness: FloatArray
+
+    def projected(self, joints: JointCoordinates, dependence: FloatArray) -> FloatArray:
+        """Geometric stiffness by the independent coordinates of rigid links and sliders, (B, n, n).
+
+        Parameters
+        ----------
+        joints : JointCoordinates
+        dependence : ndarray, shape (B, size, m)
+            Derivative of y by w.
+        """
+        dependence = dependence[:, :, : len(joints.independent_coordinates)]
+        total = np.zeros((len(dependence), joints.size, joints.size))
+        for link in joints.links:
+            turn = joints.of_body(link)[2]
+            total[:, turn, turn] = self.rotation_stiffness[:, link]
+        for number, slider in enumerate(joints.topology.sliders):
+            if slider.guide:
+                turn, slide = (
+                    joints.of_body(joints.topology.index(slider.guide))[2],
+                    joints.slides[number],
+                )
+                total[:, turn, slide] = total[:, slide, turn] = self.guide_stiffness[:, number]
+        return np.asarray(np.swapaxes(dependence, 1, 2) @ total @ dependence)
 
 
 def _independent_columns(matrix: FloatArray) -> IntArray:

@@ -16,7 +16,7 @@ eq. 1.57). The same code serves every engine: only the link matrices differ.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -302,17 +302,80 @@ class LinkFrames(LinkTies):
             ``q = N z``, ``N z' + N' z`` and ``N z'' + 2 N' z' + N'' z`` of each link.
         """
         z, result = np.stack([position, velocity, acceleration], axis=-1), []
-        pairs = zip(self.link_coordinates(motion, z), self.dependent_rows(motion), strict=True)
-        for moving, dependent in pairs:
+        for link, moving in enumerate(self.link_coordinates(motion, z)):
             q, rate, change = np.ascontiguousarray(np.moveaxis(moving, -1, 0))
-            for tie in dependent:
-                own = z[:, tie.columns]
-                turning = tie.rate @ own
-                rate[:, tie.rows] += turning[..., 0]
-                change[:, tie.rows] += 2 * turning[..., 1]
-                change[:, tie.rows] += ((tie.centripetal + tie.tangential) @ own[..., :1])[..., 0]
+            rows, turning, changing = self.end_rates(motion, link, z, RotationTerms())
+            rate[:, rows] += turning[..., 0]
+            change[:, rows] += 2 * turning[..., 1] + changing[..., 0]
             result.append((q, rate, change))
         return result
+
+    def end_rates(
+        self,
+        motion: RigidMotion,
+        link: int,
+        vectors: NDArray[Any],
+        terms: RotationTerms,
+    ) -> tuple[IntArray, NDArray[Any], NDArray[Any]]:
+        """How the dependent ends of a link move in its frame while z is constant.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        link : int
+        vectors : ndarray, shape (B, size, m)
+            Independent coordinates z.
+        terms : RotationTerms
+            Which parts of the second derivative count.
+
+        Returns
+        -------
+        rows : ndarray of int, shape (k,)
+            Coordinates of the ends; all others stand.
+        rate, change : ndarray, shape (B, k, m)
+            ``N' z`` and ``N'' z`` in these rows.
+        """
+        ties = self.dependent_rows(motion)[link]
+        none = np.zeros((len(vectors), 0, vectors.shape[2]))
+        rate, change = [none], [none]
+        for tie in ties:
+            determining = vectors[:, tie.columns]
+            rate.append(tie.rate @ determining)
+            change.append(tie.acceleration(terms) @ determining)
+        rows = self.dependent_coordinates(link)
+        return rows, np.concatenate(rate, axis=1), np.concatenate(change, axis=1)
+
+    def by_independent(
+        self,
+        motion: RigidMotion,
+        link: int,
+        rows: FloatArray,
+        rate: Callable[[DependentRows], FloatArray] | None = None,
+    ) -> FloatArray:
+        """Rows by the coordinates of one link as rows by the independent ones: ``X N``.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        link : int
+        rows : ndarray, shape (k, n_link) or (B, k, n_link)
+        rate : callable, optional
+            Which derivative of the dependent rows by time to take in place of ``N``.
+
+        Returns
+        -------
+        ndarray, shape (B, k, size)
+        """
+        total = np.zeros((len(motion.crank_angle), rows.shape[-2], self.size))
+        for tie in self.dependent_rows(motion)[link]:
+            by = tie.turn if rate is None else rate(tie)
+            total[:, :, tie.columns] += rows[..., tie.rows] @ by
+        if rate is None:
+            for free, independent in self._places[link].runs:
+                total[:, :, independent] += rows[..., free]
+        return total
 
     def gather(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> FloatArray:
         """Generalized force in the independent coordinates, ``N' f``; shape (B, size, ...).

@@ -273,6 +273,12 @@ class LinkModel:
         """Coordinate of the warping at ``"start"`` or ``"end"``; none in most elements."""
         return self.start_warping if end == "start" else self.end_warping
 
+    @property
+    def kept_ends(self) -> dict[str, IntArray]:
+        """Coordinates of displacements and rotations of the ends, as :meth:`projected` has them."""
+        names = ("start", "end", "start_rotation", "end_rotation")
+        return {name: getattr(self, name) for name in names}
+
     def end_basis(self, size: int, kept: dict[str, IntArray]) -> FloatArray:
         """Displacements of the ends alone, (n, size), from ``size`` reduced coordinates.
 

@@ -18,7 +18,6 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import LINK_DIRECTIONS, LinkDirection
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.link_ties import DependentRows
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.motion import direction
@@ -233,7 +232,6 @@ class PointJacobian:
         point: AttachedPoint,
         frames: LinkFrames,
         motion: RigidMotion,
-        dependent: Sequence[DependentRows],
     ) -> PointJacobian:
         """Jacobian of a point of a link in the coordinates of link frames.
 
@@ -244,16 +242,10 @@ class PointJacobian:
         frames : LinkFrames
         motion : RigidMotion
             Batch of shape (B,).
-        dependent : sequence of DependentRows
-            Of the point's link.
         """
-        batch, link = len(motion.crank_angle), point.link
-        value, rate = np.zeros((2, batch, 3, frames.size))
-        independent = frames.independent_coordinates(link)
-        value[:, :, frames.targets[link][independent]] = point.rows[..., independent]
-        for tie in dependent:
-            value[:, :, tie.columns] += point.rows[..., tie.rows] @ tie.turn
-            rate[:, :, tie.columns] += point.end_rows[..., tie.rows] @ tie.rate
+        link = point.link
+        value = frames.by_independent(motion, link, point.rows)
+        rate = frames.by_independent(motion, link, point.end_rows, lambda tie: tie.rate)
         speed, angle = motion.angular_velocity[:, link, None], motion.angle[:, link]
         rate[:, 0] -= speed * value[:, 1]
         rate[:, 1] += speed * value[:, 0]

@@ -41,6 +41,7 @@ from flexmech.linkages.applied_forces import (
     forces_of_loads,
     joint_gap,
 )
+from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
 
 
@@ -71,6 +72,15 @@ class PointForce:
     point: AttachedPoint
     force: FloatArray
     torque: FloatArray
+
+    def on_link(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
+        """Generalized force (B, n_link) on the link where that is displaced by q (B, n_link)."""
+        return self.point.force(motion, self.force, self.torque, q, finite=True)
+
+    def rotation_stiffness(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
+        """Geometric stiffness in N m/rad of the force on a rigid link at a rotation, (B,)."""
+        turned = motion.angle[:, self.point.link] + q[:, 2]
+        return np.asarray(self.point.x * np.sum(direction(turned) * self.force, axis=1))
 
 
 @dataclass(frozen=True)
@@ -215,6 +225,7 @@ class Connectors:
         self.links = links
         self._topology = mechanism.linkage.topology
         self._points: dict[tuple[int, float], AttachedPoint] = {}
+        self.joint_springs = mechanism.joint_springs
         self.loads: tuple[Load, ...] = tuple(x for x in mechanism.loads if x.over != "time")
 
     @property
@@ -226,12 +237,12 @@ class Connectors:
     def restrains_shaft(self) -> bool:
         """Whether springs restrain the rotation of a free shaft."""
         springs = any(spring.stiffness for spring in self._mechanism.springs)
-        return springs or any(s.torsional_stiffness for s in self._mechanism.joint_springs)
+        return springs or any(s.torsional_stiffness for s in self.joint_springs)
 
     @property
     def depend_on_displacement(self) -> bool:
         """Whether forces depend on the displacements of the links."""
-        return bool(self.follow or self._mechanism.springs or self._mechanism.joint_springs)
+        return bool(self.follow or self._mechanism.springs or self.joint_springs)
 
     @property
     def follow(self) -> bool:
@@ -246,7 +257,7 @@ class Connectors:
     @property
     def is_conservative(self) -> bool:
         """Whether the forces have a potential at each crank angle."""
-        joints = self._mechanism.joint_springs
+        joints = self.joint_springs
         return not (self.circulates or any(s.torsional_damping or s.radial_damping for s in joints))
 
     def forces(
@@ -377,12 +388,11 @@ class Connectors:
         """
         drawn = motion.undisplaced if isinstance(motion, DisplacedMotion) else motion
         tangents = self.tangents(drawn, displacement, time, stressed=prestress != "none")
-        dependent = frames.dependent_rows(motion)
         of_frames = Connectors(self._mechanism, frames.links)
 
         def jacobian(point: AttachedPoint) -> PointJacobian:
             place = of_frames.at(point.link, point.x)
-            return PointJacobian.of(place, frames, motion, dependent[point.link])
+            return PointJacobian.of(place, frames, motion)
 
         shape = (len(motion.crank_angle), frames.size, frames.size)
         return connected_matrices(tangents, jacobian, shape, is_conservative=self.is_conservative)
@@ -393,10 +403,8 @@ class Connectors:
         displacement: Sequence[FloatArray] | None = None,
         time: FloatArray | None = None,
         rate: Sequence[FloatArray] | None = None,
-        *,
-        radial: bool = False,
     ) -> list[PointForce]:
-        """Forces on points of the links, one by one.
+        """Forces on points of the links, one by one, but those in joints.
 
         Parameters
         ----------
@@ -408,22 +416,36 @@ class Connectors:
             In s; loads over time are left out without it.
         rate : sequence of ndarray, shape (B, n_link), optional
             Time derivative of the displacement, which dampers resist; zero where it is left out.
-        radial : bool
-            Whether radial springs and dampers in joints count, whose forces are joint forces.
 
         Returns
         -------
         list of PointForce
             First those of loads, then those of springs.
         """
-        forces = [
+        return [
             PointForce(self.at(push.link, float(push.x)), push.force, push.torque)
             for push in self.applied(motion, displacement, time, rate)
         ]
-        if not radial:
-            return forces
-        moved = None if displacement is None else self.moved(motion, displacement, rate)
-        for joint in self._mechanism.joint_springs:
+
+    def radial_forces(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray] | None = None,
+    ) -> list[PointForce]:
+        """Forces of radial springs in joints on the ends there, which are joint forces.
+
+        Parameters
+        ----------
+        motion, displacement, rate
+            As of :meth:`point_forces`.
+
+        Returns
+        -------
+        list of PointForce
+        """
+        forces, moved = [], self.moved(motion, displacement, rate)
+        for joint in self.joint_springs:
             if joint.radial_stiffness is None:
                 continue
             gap, opening = joint_gap(self._topology, motion, joint, motion.angle, moved)
@@ -447,7 +469,7 @@ class Connectors:
         motion, displacement, time, rate
             As of :meth:`point_forces`.
         """
-        mechanism, joints = self._mechanism, self._mechanism.joint_springs
+        mechanism, joints = self._mechanism, self.joint_springs
         return applied_forces(
             self._topology,
             motion,
@@ -531,7 +553,7 @@ class Connectors:
                 stiffness[:, :2, :2] += spring.damping * line.along[:, :, None] * swing[:, None]
             ends = self.point(spring.first), self.point(spring.second)
             tangents.append(ConnectorTangent(*ends, stiffness, damping))
-        for joint in self._mechanism.joint_springs:
+        for joint in self.joint_springs:
             second, first = self.joint_points(joint)
             stiffness, damping = np.zeros((2, batch, 3, 3))
             stiffness[:] = np.diag(
@@ -568,7 +590,7 @@ class Connectors:
         of others a force along and one across.
         """
         forces: list[list[FloatArray]] = [[] for _ in self.links]
-        for joint in self._mechanism.joint_springs:
+        for joint in self.joint_springs:
             if joint.torsional_stiffness or joint.torsional_damping:
                 for point in self.joint_points(joint):
                     if point is not None and not point.rigid:

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.link_ties import DependentRows
 from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.reduction.component_modes import (
@@ -144,10 +143,9 @@ class LinkPencil:
         """
         columns = _as_real(z)
         every: tuple[Shapes, Shapes, Shapes] = ([], [], [])
-        dependent = self.frames.dependent_rows(self.motion)
         shapes = self.frames.link_coordinates(self.motion, columns)
         for number, (link, q) in enumerate(zip(self.frames.links, shapes, strict=True)):
-            ends = self._dependent_ends(dependent[number], columns)
+            ends = self.frames.end_rates(self.motion, number, columns, self.terms)
             for found, own in zip(every, self._on_link(number, link, q, ends), strict=True):
                 found.append(_as_given(own, z))
         return every
@@ -176,21 +174,6 @@ class LinkPencil:
             for of_links in forces
         )
         return mass, damping, stiffness
-
-    def _dependent_ends(
-        self, dependent: Sequence[DependentRows], z: FloatArray
-    ) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Rows (k,) of a link's dependent ends, and ``N' z`` and ``N'' z`` in them, (B, k, m).
-
-        In all other rows they are zero; ``N''`` has the terms that are counted.
-        """
-        rows = [np.zeros(0, dtype=np.intp)] + [tie.rows for tie in dependent]
-        none = np.zeros((len(z), 0, z.shape[2]))
-        rate = [none] + [tie.rate @ z[:, tie.columns] for tie in dependent]
-        change = [np.zeros_like(own) for own in rate]
-        if self.terms.centripetal or self.terms.tangential:
-            change[1:] = [tie.acceleration(self.terms) @ z[:, tie.columns] for tie in dependent]
-        return np.concatenate(rows), np.concatenate(rate, axis=1), np.concatenate(change, axis=1)
 
     def _on_link(
         self,

@@ -522,9 +522,7 @@ def with_turning_sections(
     if reduced is not before and model is not before:
         if link.stretch.neutral_axis:
             basis[: before.size, reduced.size :] = _static_answer(topology, before, model)
-        ends = ("start", "end", "start_rotation", "end_rotation")
-        kept = {name: getattr(reduced, name) for name in ends}
-        reduced = replace(model.projected(basis, kept), reduced_ends=None)
+        reduced = replace(model.projected(basis, reduced.kept_ends), reduced_ends=None)
     elif reduced is before:
         reduced = model
     return replace(link, reduced=reduced, basis=basis, condensed=np.zeros(reduced.size, dtype=bool))

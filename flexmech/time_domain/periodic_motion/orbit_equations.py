@@ -46,7 +46,6 @@ from flexmech.linear_system import (
 )
 from flexmech.linear_system.links.chains import with_entries
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.motion import direction
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors, LinkMotion
 
 FROZEN = RotationTerms.all_or_none(False)
@@ -123,8 +122,8 @@ class RunningForces:
         if not self._engine.connectors.any:
             return []
         displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
-        point_forces = self._engine.connectors.point_forces
-        return point_forces(self.motion, displacement, rate=rate, radial=True)
+        connectors, at = self._engine.connectors, (self.motion, displacement)
+        return [*connectors.point_forces(*at, rate=rate), *connectors.radial_forces(*at, rate)]
 
     def out_of_balance(
         self, stressed: StressedLinks, moving: LinkMotion, pushes: Sequence[PointForce]
@@ -133,20 +132,20 @@ class RunningForces:
         forces, motion, gravity = [], self.motion, self._engine.mechanism.gravity
         assert stressed.internal_force is not None
         damping = stressed.damping or [link.damping for link in self._engine.links]
-        for number, link in enumerate(self._engine.links):
+        for number, model in enumerate(self._engine.links):
             elastic = moving[number]
             link_motion = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
             force = self._inertias[number].shape_forces(link_motion)
-            if not link.rigid:
+            if not model.rigid:
                 force += stressed.internal_force[number]
                 force += times(damping[number], link_motion.rate)
-            for body in link.bodies:
+            for body in model.bodies:
                 moved = (x @ body.rows.T for x in elastic)
                 force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
             forces.append(force)
         for push in pushes:
-            place, q = push.point, moving[push.point.link][0]
-            forces[place.link] -= place.force(motion, push.force, push.torque, q, finite=True)
+            link = push.point.link
+            forces[link] -= push.on_link(motion, moving[link][0])
         return forces
 
     def with_bodies(
@@ -173,9 +172,8 @@ class RunningForces:
             return replace(stressed, tangent=list(tangent.values()))
         for push in pushes:
             if (number := push.point.link) in by_rotation:
-                turned = self.motion.angle[:, number] + ties.pose.displaced.turn[:, number]
-                along = np.sum(direction(turned) * push.force, axis=1)
-                by_rotation[number] = by_rotation[number] + push.point.x * along
+                more = push.rotation_stiffness(self.motion, moving[number][0])
+                by_rotation[number] = by_rotation[number] + more
         geometric = ties.geometric_stiffness([-force for force in forces], by_rotation)
         rigid = with_rigid_links(self.frames, tangent, geometric)
         return replace(stressed, tangent=rigid.tangent, guide_stiffness=rigid.guide_stiffness)
@@ -324,14 +322,13 @@ class OrbitEquations:
         """
         velocity, acceleration = self.first @ z, self.second @ z
         moving = self.frames.link_motion(self.motion, z, velocity, acceleration)
-        ties, beyond = self._running.ties(z), [np.zeros_like(q) for q, _, _ in moving]
-        for more, (q, rate, change), of_link in zip(beyond, moving, ties.rows, strict=True):
-            for tie in of_link:
-                if tie.place is not None:
-                    more[:, tie.rows] = tie.place - q[:, tie.rows]
-            q += more
-            rate += self.first @ more
-            change += self.second @ more
+        ties, beyond = self._running.ties(z), []
+        for link, (q, rate, change) in enumerate(moving):
+            linear = q.copy()
+            ties.put_places(link, q)
+            beyond.append(q - linear)
+            rate += self.first @ beyond[-1]
+            change += self.second @ beyond[-1]
         displacement, frames = [q for q, _, _ in moving], self._frames_at(ties)
         stressed = self.engine.running_links(self.motion, displacement)
         pushes, connected = self._running.pushes(moving), self._connected(displacement, frames)
@@ -353,16 +350,15 @@ class OrbitEquations:
         rows = [
             [
                 DependentRows(
-                    tie.rows,
-                    tie.columns,
-                    tie.turn,
-                    differentiated(self.first, tie.turn),
-                    differentiated(self.second, tie.turn),
-                    np.zeros_like(tie.turn),
+                    *dependent,
+                    turn,
+                    differentiated(self.first, turn),
+                    differentiated(self.second, turn),
+                    np.zeros_like(turn),
                 )
-                for tie in of_link
+                for dependent, turn in zip(self.frames.dependencies(link), turns, strict=True)
             ]
-            for of_link in ties.rows
+            for link, turns in enumerate(ties.rows)
         ]
         return DisplacedFrames(self.frames, rows)
 
@@ -402,12 +398,11 @@ class OrbitEquations:
         connectors = self.engine.connectors
         if not connectors.any:
             return None
-        rows = frames.dependent_rows(self.motion)
 
         def moved(point: AttachedPoint) -> PointJacobian:
             link = point.link
             finite = replace(point, rows=point.rows_at(displacement[link]))
-            value = PointJacobian.of(finite, frames, self.motion, rows[link]).value
+            value = PointJacobian.of(finite, frames, self.motion).value
             return PointJacobian(value, np.tensordot(self.first, value, 1))
 
         tangents = connectors.tangents(self.motion, displacement)

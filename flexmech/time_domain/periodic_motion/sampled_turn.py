@@ -140,12 +140,7 @@ class SampledTurn:
             return [b.T @ matrix @ b for b, matrix in zip(bases, matrices, strict=True)]
 
         displaced = engine.frames.displaced(motion, stressed.displacement)
-        connected = engine.connected_matrices(frames, displaced, prestress, stressed.displacement)
-        if stressed.guide_stiffness is not None and stressed.guide_stiffness.any():
-            guide_matrix = frames.guide_matrix(displaced, stressed.guide_stiffness)
-            zero = np.zeros_like(guide_matrix)
-            connected = connected or ConnectedMatrices(zero, zero, zero, is_conservative=True)
-            connected = replace(connected, stiffness=connected.stiffness + guide_matrix)
+        connected = engine.connected_matrices(frames, displaced, prestress, stressed)
         carried = CarriedLinkage.of(engine.mechanism, frames, engine.links, bases)
         if carried is not None:
             connected = carried.connected(connected, len(motion.crank_angle))
