@@ -37,7 +37,6 @@ from .response.result import Response as Response
 from .result import Result as Result
 from .section_profile.compute import section_profiles as section_profiles
 from .section_profile.result import SectionProfiles as SectionProfiles
-from .speed_sweep.result import SpeedSweep as SpeedSweep
 from .stability.request import StabilityRequest as StabilityRequest
 from .stability.result import StabilityMap as StabilityMap
 from .strength.request import StrengthRequest as StrengthRequest
