@@ -4,6 +4,8 @@ from .campbell.request import CampbellRequest as CampbellRequest
 from .campbell.result import CampbellDiagram as CampbellDiagram
 from .check.compute import check_mechanism as check_mechanism
 from .check.result import ModelCheck as ModelCheck
+from .check.section_profiles import SectionProfiles as SectionProfiles
+from .check.section_profiles import section_profiles as section_profiles
 from .comparison.compute import compare_with_record as compare_with_record
 from .comparison.request import ComparisonRequest as ComparisonRequest
 from .comparison.result import Comparison as Comparison
@@ -35,8 +37,6 @@ from .response.request import ResponseRequest as ResponseRequest
 from .response.request import Shaping as Shaping
 from .response.result import Response as Response
 from .result import Result as Result
-from .section_profile.compute import section_profiles as section_profiles
-from .section_profile.result import SectionProfiles as SectionProfiles
 from .stability.request import StabilityRequest as StabilityRequest
 from .stability.result import StabilityMap as StabilityMap
 from .strength.request import StrengthRequest as StrengthRequest
