@@ -87,7 +87,7 @@ def test_a_universal_file_stands_beside_each_angle_and_the_result_loads_back(jou
         "hammer_30deg.uff",
         "hammer_96.9deg.uff",
     ]
-    assert len(read_uff(journey.ended.folder / "hammer_30deg.uff").traces) == 3
+    assert len(read_uff(journey.ended.folder / "hammer_30deg.uff").frames) == 3
     attributes = journey.result().dataset.attrs
     assert (attributes["impact"], attributes["response_point"]) == ("coupler:0.4", "rocker:0.3")
     assert (attributes["noise"], attributes["seed"]) == (0.01, 3)
