@@ -31,7 +31,6 @@ from .analyses import RunningHammerRequest as RunningHammerRequest
 from .analyses import RunningHammerTest as RunningHammerTest
 from .analyses import SectionProfiles as SectionProfiles
 from .analyses import Shaping as Shaping
-from .analyses import SpeedSweep as SpeedSweep
 from .analyses import StabilityMap as StabilityMap
 from .analyses import Strength as Strength
 from .analyses import StrengthRequest as StrengthRequest
@@ -52,7 +51,6 @@ from .analyses.hammer.compute import hammer_test as hammer_test
 from .analyses.kinematics.compute import kinematics as kinematics
 from .analyses.response.compute import exudyn_system as exudyn_system
 from .analyses.response.compute import response as response
-from .analyses.speed_sweep.compute import speed_sweep as speed_sweep
 from .analyses.stability.compute import stability as stability
 from .analyses.strength.compute import strength as strength
 from .errors import ComputationError as ComputationError

@@ -1,11 +1,11 @@
 """At which crank speeds does a four-bar ring?
 
-The steady-state peak deflection of the steel and the aluminium four-bar of Kumar & Chandrakar
-against crank speed, each speed's periodic motion found directly. Loads repeat with every turn,
-so the linkage rings where a natural frequency divided by a whole number is the turning
-frequency; these critical speeds are marked, each as the range over which the frequency moves.
-The paper's links have no damping; Kelvin-Voigt damping of 1 % in the first mode is assumed.
-At a few speeds the periodic motion of Exudyn's nonlinear equations stands beside.
+The steel and the aluminium four-bar of Kumar & Chandrakar against crank speed. Loads repeat with
+every turn, so the linkage rings where a natural frequency divided by a whole number is the turning
+frequency; these critical speeds are ranges, over which the frequency moves. The peak deflection of
+the periodic motion tells which of them count. The paper's links have no damping; Kelvin-Voigt
+damping of 1 % in the first mode is assumed. At a few speeds the periodic motion by Exudyn stands
+beside.
 
     python scenarios/critical_speeds.py [--out results/critical_speeds]
 """  # noqa: D400 - a scenario asks a question
@@ -19,19 +19,22 @@ import numpy as np
 from _common import four_bar, output_folder, save_pictures
 
 from flexmech import (
+    CampbellDiagram,
     ExudynEngine,
     Mechanism,
     ReferenceEngine,
-    SpeedSweep,
+    ResponseRequest,
+    campbell,
     natural_frequencies,
-    speed_sweep,
+    response,
 )
 from flexmech.analyses import deflections
 from flexmech.arrays import FloatArray
+from flexmech.linear_system import Engine
 from flexmech.time_domain import nonlinear_orbit
 
-SPEEDS = np.linspace(8.0, 30.0, 89)
-NONLINEAR = (10.0, 15.0, 20.0, 25.0)
+SPEEDS = np.linspace(8.0, 30.0, 45)
+COMPARED = (10.0, 15.0, 20.0, 25.0)
 DAMPING_RATIO = 0.01
 
 
@@ -41,27 +44,16 @@ class CriticalSpeedAnswer:
 
     Parameters
     ----------
-    sweep : SpeedSweep
-        Linear periodic motion; at some speeds also the nonlinear one, as ``settled_peak``.
+    diagram : CampbellDiagram
+    ringing : float
+        Crank speed in rad/s where the coupler most exceeds the parabola of a stiff linkage.
+    gap : float
+        Greatest relative difference of both engines' peaks, coupler and rocker.
     """
 
-    sweep: SpeedSweep
-
-    @property
-    def gap(self) -> float:
-        """Greatest relative difference of both at these speeds, coupler and rocker."""
-        data = self.sweep.dataset
-        pinned = data.isel(link=(data["probe"] == "middle").values)
-        nonlinear = pinned["settled_peak"].rename(settled_speed="crank_speed")
-        speeds = nonlinear["crank_speed"]
-        linear = pinned["peak_deflection"].sel(crank_speed=speeds, method="nearest")
-        return float(np.abs(linear.values / nonlinear.values - 1).max())
-
-    @property
-    def ringing(self) -> float:
-        """Crank speed in rad/s where the coupler most exceeds the parabola of a stiff linkage."""
-        coupler = self.sweep.dataset["peak_deflection"].sel(link="coupler")
-        return float((coupler / coupler["crank_speed"] ** 2).idxmax())
+    diagram: CampbellDiagram
+    ringing: float
+    gap: float
 
 
 def main(
@@ -69,10 +61,10 @@ def main(
     *,
     names: tuple[str, ...] = ("steel", "aluminium"),
     speeds: FloatArray = SPEEDS,
-    nonlinear: tuple[float, ...] = NONLINEAR,
+    compared: tuple[float, ...] = COMPARED,
     elements: int = 8,
 ) -> dict[str, CriticalSpeedAnswer]:
-    """Sweep the crank speed of both four-bars, print where they ring, draw it.
+    """Draw the critical speeds of both four-bars, and tell where they ring.
 
     Parameters
     ----------
@@ -81,9 +73,9 @@ def main(
     names : tuple of str
         Which four-bars.
     speeds : ndarray, shape (S,)
-        Crank speeds in rad/s; ``nonlinear`` lie among them.
-    nonlinear : tuple of float
-        Speeds of Exudyn's nonlinear motions.
+        Crank speeds in rad/s.
+    compared : tuple of float
+        Speeds at which Exudyn finds the motion too.
     elements : int
         Elements a link.
 
@@ -92,21 +84,26 @@ def main(
     dict of str to CriticalSpeedAnswer
         By ``"steel"`` and ``"aluminium"``.
     """
-    answers, figures = {}, {}
+    answers = {}
     for name in names:
         mechanism = with_damping(four_bar(name))
-        sweep = speed_sweep(ReferenceEngine(mechanism, elements), speeds)
-        peaks = np.stack([_nonlinear_peak(mechanism, elements, speed) for speed in nonlinear])
-        data = sweep.dataset.assign_coords(settled_speed=list(nonlinear))
-        data["settled_peak"] = (("settled_speed", "link"), peaks, {"units": "m"})
-        answer = answers[name] = CriticalSpeedAnswer(SpeedSweep(data))
-        figures[f"{name}_critical_speeds"] = answer.sweep.plot()
-        print(answer.sweep.summary())
+        engine = ReferenceEngine(mechanism, elements)
+        diagram = campbell(engine, speeds, modes=2, orders=np.arange(1, 25))
+        peaks = np.stack([_peaks(engine, speed) for speed in speeds])
+        ringing = float(speeds[np.argmax(peaks[:, 1] / speeds**2)])
+        pairs = [
+            (_peaks(engine, speed)[1:], _peaks_by_exudyn(mechanism, elements, speed)[1:])
+            for speed in compared
+        ]
+        gap = max(float(np.abs(here / there - 1).max()) for here, there in pairs)
+        answers[name] = CriticalSpeedAnswer(diagram, ringing, gap)
+        print(diagram.summary())
         print(
-            f"{name} four-bar: rings most at {answer.ringing:.4g} rad/s; nonlinear peaks differ "
-            f"from the linear ones by at most {100 * answer.gap:.2f} %"
+            f"{name} four-bar: rings most at {ringing:.4g} rad/s; peaks by Exudyn differ from "
+            f"those of the reference by at most {100 * gap:.2f} %"
         )
-    save_pictures(figures, out)
+    pictures = {f"{name}_critical_speeds": each.diagram.plot() for name, each in answers.items()}
+    save_pictures(pictures, out)
     return answers
 
 
@@ -119,8 +116,13 @@ def with_damping(mechanism: Mechanism) -> Mechanism:
     return replace(mechanism, sections=sections)
 
 
-def _nonlinear_peak(mechanism: Mechanism, elements: int, speed: float) -> FloatArray:
-    """Greatest deflections over a turn of Exudyn's periodic motion, (n_links,)."""
+def _peaks(engine: Engine, speed: float) -> FloatArray:
+    """Greatest deflections over a turn of the periodic motion in m: crank, coupler, rocker."""
+    found = response(engine, ResponseRequest(speed, 1.0, start="periodic"))
+    return np.abs(found.peaks()["deflection"].isel(engine=0).values)
+
+
+def _peaks_by_exudyn(mechanism: Mechanism, elements: int, speed: float) -> FloatArray:
     engine = ExudynEngine(mechanism, elements)
     displacement, _ = nonlinear_orbit(engine, speed).at(np.radians(np.arange(0.0, 360.0, 0.5)))
     return np.asarray(np.abs(deflections(engine, displacement)).max(axis=0))

@@ -28,7 +28,6 @@ TOLD = 5.0
 # What takes longest starts first, so that no core waits for it in the end.
 LONG = (
     "instability_confirmed",
-    "running_hammer_test",
     "running_fourbars",
     "moisture_and_stability",
     "composite_thresholds",

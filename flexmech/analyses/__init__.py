@@ -2,7 +2,7 @@
 
 A folder a question: what can be asked (request), how it is computed, and the result with its
 tables, pictures and summary. Names are loaded when they are first used. The functions ``balance``,
-``campbell``, ``kinematics``, ``response``, ``speed_sweep``, ``stability`` and ``strength`` are
+``campbell``, ``kinematics``, ``response``, ``stability`` and ``strength`` are
 named like their folders: they are in ``compute`` of the folders, and in ``flexmech``.
 """
 

@@ -4,6 +4,8 @@ from .campbell.request import CampbellRequest as CampbellRequest
 from .campbell.result import CampbellDiagram as CampbellDiagram
 from .check.compute import check_mechanism as check_mechanism
 from .check.result import ModelCheck as ModelCheck
+from .check.section_profiles import SectionProfiles as SectionProfiles
+from .check.section_profiles import section_profiles as section_profiles
 from .comparison.compute import compare_with_record as compare_with_record
 from .comparison.request import ComparisonRequest as ComparisonRequest
 from .comparison.result import Comparison as Comparison
@@ -22,7 +24,10 @@ from .frequencies.positions import strain_energy_damping as strain_energy_dampin
 from .frequencies.request import FrequencyRequest as FrequencyRequest
 from .frequencies.result import MovingFrequencies as MovingFrequencies
 from .hammer.request import HammerRequest as HammerRequest
+from .hammer.request import RunningHammerRequest as RunningHammerRequest
 from .hammer.result import HammerTest as HammerTest
+from .hammer.running import running_hammer_test as running_hammer_test
+from .hammer.running_result import RunningHammerTest as RunningHammerTest
 from .kinematics.request import KinematicsRequest as KinematicsRequest
 from .kinematics.result import Kinematics as Kinematics
 from .moisture.compute import moisture_uptake as moisture_uptake
@@ -32,12 +37,6 @@ from .response.request import ResponseRequest as ResponseRequest
 from .response.request import Shaping as Shaping
 from .response.result import Response as Response
 from .result import Result as Result
-from .running_hammer.compute import running_hammer_test as running_hammer_test
-from .running_hammer.request import RunningHammerRequest as RunningHammerRequest
-from .running_hammer.result import RunningHammerTest as RunningHammerTest
-from .section_profile.compute import section_profiles as section_profiles
-from .section_profile.result import SectionProfiles as SectionProfiles
-from .speed_sweep.result import SpeedSweep as SpeedSweep
 from .stability.request import StabilityRequest as StabilityRequest
 from .stability.result import StabilityMap as StabilityMap
 from .strength.request import StrengthRequest as StrengthRequest

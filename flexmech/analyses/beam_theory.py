@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 
 from flexmech.beams.restrained_ends import RestrainedEnds, restrained_beam
-from flexmech.beams.solid_link import SHORT as MOST_WIDTHS
-from flexmech.beams.solid_link import beam_error
 from flexmech.linear_system import (
     COMPRESSED,
     NEGLIGIBLE,
@@ -36,7 +34,7 @@ LEFT_OUT = {
 # three-dimensional elements with rigid end faces, beams were 10 % low at 3, 5 % at 5 and 2 % at 8.
 SHORT, LONG = 3, 5
 LOW_BY = 10
-# Of a link's own frequencies: less does not tell why two engines differ by more than their errors.
+# Of frequencies: less does not tell why two engines differ by more than their errors.
 NOTICED = 1e-4
 
 
@@ -141,27 +139,20 @@ def _off_axis(engine: Engine) -> list[str]:
     mechanism = engine.mechanism
     warnings, joined = [], mechanism.linkage.topology.joined_ends
     for name, section in mechanism.sections.items():
-        length = mechanism.link_mass(name).length
-        if (
-            engine.restrains_ends
-            and (restrained := restrained_beam(mechanism, name)[1]) is not None
-        ):
-            warnings.append(_restrained_line(name, engine, section, restrained))
-            rest = "" if restrained.solid else _short(name, section, length)
-            warnings += [f"{rest} ({engine.name})"] if rest else []
-            continue
-        own = [_twist(name, section)]
-        if {LinkEnd(name, "start"), LinkEnd(name, "end")} <= joined:
-            own.append(_between_joints(name, section, length))
+        restrained = restrained_beam(mechanism, name)[1]
+        holds = engine.restrains_ends and restrained is not None
+        own = [_restrained_line(name, section, restrained) if holds else _twist(name, section)]
+        between_joints = {LinkEnd(name, "start"), LinkEnd(name, "end")} <= joined
+        if between_joints and not (restrained is not None and restrained.solid):
+            own.append(_short(name, section, mechanism.link_mass(name).length))
         warnings += [f"{text} ({engine.name})" for text in own if text]
     return warnings
 
 
-def _restrained_line(
-    link: str, engine: Engine, section: BeamSection, restrained: RestrainedEnds
-) -> str:
+def _restrained_line(link: str, section: BeamSection, restrained: RestrainedEnds | None) -> str:
     """What a link that bends and twists as in three dimensions is taken to be held by."""
     assert section.layers is not None
+    assert restrained is not None
     free = replace(section.layers.smeared, twist="free")
     gain = float(np.sqrt(1 + restrained.of_half_sine / free.bending_stiffness)) - 1
     if gain <= NEGLIGIBLE:
@@ -170,7 +161,7 @@ def _restrained_line(
     return (
         f"{link}: its off-axis plies bend and twist {by} between end faces that its joints hold "
         f"flat over the whole width; with these free to twist and warp, its first bending "
-        f"frequency is {100 * (1 - 1 / (1 + gain)):.2g} % lower ({engine.name})"
+        f"frequency is {100 * (1 - 1 / (1 + gain)):.2g} % lower"
     )
 
 
@@ -199,49 +190,15 @@ def _ends_apart(engines: Sequence[Engine], comparison: TheoryComparison) -> list
     """How links of off-axis plies keep two engines apart, if only one of them holds the ends."""
     coarse = [engine for engine in engines if not engine.restrains_ends]
     fine = [engine for engine in engines if engine.restrains_ends]
-    if not coarse or not fine:
+    if not coarse or not fine or not _restrained_links(fine[0]):
         return []
-    mechanism, apart = fine[0].mechanism, []
-    for name in _restrained_links(fine[0]):
-        layers = _smeared(mechanism.sections[name])
-        assert layers is not None
-        found = beam_error(layers, mechanism.link_mass(name).length)
-        # Without three dimensions: the second mode, whose ends turn alike, has no torque.
-        worst = _gain_by_twist(layers) if found is None else float(np.abs(found).max())
-        if worst > NOTICED:
-            apart.append(f"{name} by up to {100 * worst:.2g} %")
-    if not apart:
+    apart = comparison.difference("timoshenko", RESTRAINED_ENDS)
+    if apart.value <= NOTICED:
         return []
     return [
-        f"off-axis plies bend and twist by one stiffness in {coarse[0].name} ({', '.join(apart)} "
-        f"off in its first two modes between pins, the linkage's frequencies at rest by up to "
-        f"{_percent(comparison.difference('timoshenko', RESTRAINED_ENDS))}); trust {fine[0].name}"
+        f"off-axis plies bend and twist by one stiffness in {coarse[0].name}, which changes "
+        f"frequencies at rest by up to {_percent(apart)}; trust {fine[0].name}"
     ]
-
-
-def _between_joints(link: str, section: BeamSection, length: float) -> str:
-    """How far a link's beam is from the link itself between joints; nothing if that is little."""
-    layers = _smeared(section)
-    if layers is None:
-        return ""
-    found = beam_error(layers, length)
-    if found is None:
-        return _short(link, section, length)
-    if np.abs(found).max() <= NEGLIGIBLE:
-        return ""
-    first, second = (_high_or_low(value) for value in found.tolist())
-    long = length > MOST_WIDTHS * layers.width
-    by = "a beam whose ends hold its twist" if long else "three-dimensional elements"
-    return (
-        f"{link}: between joints that hold its end faces flat its first bending frequency is "
-        f"{first}, its second {second} (by {by}, {length / layers.width:.3g} widths long)"
-    )
-
-
-def _high_or_low(value: float) -> str:
-    if abs(value) <= NEGLIGIBLE / 2:
-        return "right"
-    return f"{100 * abs(value):.2g} % too {'high' if value > 0 else 'low'}"
 
 
 def _short(link: str, section: BeamSection, length: float) -> str:
@@ -285,8 +242,8 @@ def _twist(link: str, section: BeamSection) -> str:
     if layers.twist == "held":
         return (
             f"{link}: off-axis plies twist as they bend; of EI between {between}, the latter is "
-            "taken, which is right for its first bending mode; modes that turn both ends alike, "
-            f"as the second, may be {100 * gain:.3g} % too high"
+            "taken, which is right for the first bending mode of a long link; modes that turn both "
+            f"ends alike, as the second, may be {100 * gain:.3g} % too high"
         )
     return (
         f"{link}: off-axis plies twist as they bend; of EI between {between}, the former is "

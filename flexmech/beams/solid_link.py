@@ -3,26 +3,21 @@
 Plies off the axis twist a link as it bends, and contract it across. What a beam makes of that is
 right for a long link in its first mode (:mod:`flexmech.sections.free_edges`). End faces that joints
 keep plane do more: they restrain warping and the curvature across as well, over about a width from
-each end, and a mode is no half sine. So the beam is compared with the link itself, in elements with
-27 nodes, for its own length and width.
+each end, and a mode is no half sine. So the link itself is solved, in elements with 27 nodes, for
+its own length and width.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from flexmech.arrays import FloatArray
-from flexmech.beams.elements import BEAM_SHAPES
-from flexmech.beams.link_matrices import build_chain
-from flexmech.linkages import LinkMass
-from flexmech.sections import BeamSection, LaminateSection
+from flexmech.sections import LaminateSection
 from flexmech.sections.free_edges import FIRST_MODE, is_off_axis, layer_runs
 from flexmech.sections.solid_section import (
     VALUES,
@@ -32,8 +27,6 @@ from flexmech.sections.solid_section import (
     section_energy,
 )
 
-MODES = 2
-"""Bending modes that are compared."""
 # Runs of equal plies that are computed in three dimensions: each takes a row of elements, and the
 # solution's time goes with its square.
 MOST_RUNS = 8
@@ -49,39 +42,6 @@ _RATES = ((False, False), (False, True), (True, False), (True, True))
 SHORT = 40
 # Of the frequency between all strains across free and none: one percent is what is told of beams.
 LEAST = 0.01
-
-
-@lru_cache(maxsize=64)
-def beam_error(section: LaminateSection, length: float) -> FloatArray | None:
-    """Relative errors of a beam's bending frequencies between pins, of off-axis plies.
-
-    Of links longer than :data:`SHORT` widths against a beam whose ends restrain the twist, as what
-    end faces restrain besides does not matter; of shorter ones against three dimensions.
-
-    Parameters
-    ----------
-    section : LaminateSection
-        With its twist as it is in the linkage.
-    length : float
-        In m.
-
-    Returns
-    -------
-    ndarray, shape (2,), optional
-        Of the first two modes, positive where the beam is too high. None where the plies are along
-        or across, where no restraint by joints can matter, and for short links of more than
-        :data:`MOST_RUNS` runs of equal plies.
-    """
-    if not twists_matter(section):
-        return None
-    free = replace(section, reduction="narrow", twist="free")
-    if length > SHORT * section.width:
-        exact = _by_beams(free, length, twisted_back(free))
-    elif len(layer_runs(section.laminate)[0]) <= MOST_RUNS + 1:
-        exact = bending_between_pins(section, length)
-    else:
-        return None
-    return np.asarray(_by_beams(section, length) / exact - 1)
 
 
 def twists_matter(section: LaminateSection) -> bool:
@@ -118,43 +78,6 @@ def twisted_back(free: LaminateSection) -> float:
     """
     untwisted = replace(free, twist="held")
     return (untwisted.bending_stiffness - free.bending_stiffness) / FIRST_MODE
-
-
-def _by_beams(section: LaminateSection, length: float, torsion: float = 0.0) -> FloatArray:
-    """Frequencies in Hz between pins, with the energy by the ends' rotations."""
-    beam = BeamSection.of_laminate(section)
-    mass = LinkMass(length, beam.mass_per_length)
-    model = build_chain("link", beam, mass, 2 * ALONG, BEAM_SHAPES["timoshenko"]).model
-    turned = np.zeros(model.size)
-    turned[model.start_rotation[0]], turned[model.end_rotation[0]] = -1.0, 1.0
-    stiffness = model.stiffness + torsion / length * np.outer(turned, turned)
-    kept = np.setdiff1d(np.arange(model.size), [*model.start, model.end[1]])
-    grid = np.ix_(kept, kept)
-    squares = scipy.linalg.eigh(stiffness[grid], model.mass[grid], eigvals_only=True)
-    return np.asarray(np.sqrt(squares[:MODES]) / (2 * np.pi))
-
-
-def bending_between_pins(section: LaminateSection, length: float) -> FloatArray:
-    """Bending frequencies of a link in three dimensions whose rigid end faces turn about pins.
-
-    Sine waves are one step of inverse iteration away from the modes: torsion, which follows
-    statically, does not stand among them.
-
-    Parameters
-    ----------
-    section : LaminateSection
-    length : float
-        In m.
-
-    Returns
-    -------
-    ndarray, shape (2,)
-        In Hz.
-    """
-    solid = SolidLink.of(section, length)
-    shapes = solid.solve(solid.mass @ solid.sine_waves(MODES))
-    k, m = (shapes.T @ (matrix @ shapes) for matrix in (solid.stiffness, solid.mass))
-    return np.asarray(np.sqrt(scipy.linalg.eigh(k, m, eigvals_only=True)) / (2 * np.pi))
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,22 +163,6 @@ class SolidLink:
             wave = np.sin((number + 1) * np.pi * self.along.places / self.length)
             total[half : 2 * half, number] = np.kron(self.along.integral(VALUES) @ wave, section)
         return np.asarray(self.expansion.T @ total)
-
-    def sine_waves(self, count: int) -> FloatArray:
-        """Bending by one to ``count`` half sines, (n, count)."""
-        x, y, z = self.along, self.through, self.across
-        shapes = []
-        for number in range(1, count + 1):
-            k = number * np.pi / self.length
-            along = -k * np.cos(k * x.places)[:, None, None] * y.places[:, None]
-            up = np.sin(k * x.places)[:, None, None] * np.ones((y.size, 1))
-            parts = [
-                np.broadcast_to(part, (x.size, y.size, z.size)) for part in (along, up, 0 * up)
-            ]
-            inside = np.stack(parts)[:, 1:-1].ravel()
-            slopes = [k, k * np.cos(k * self.length), 0.0]
-            shapes.append(np.concatenate([inside, slopes]))
-        return np.stack(shapes, axis=1)
 
 
 def _between_pins(x: Parabolas, y: Parabolas, z: Parabolas) -> Any:

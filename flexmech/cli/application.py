@@ -58,8 +58,12 @@ _NAMED = {command.__name__.replace("_", "-"): command for command in COMMANDS}
 
 _MOVED = {
     "study": "the campaign after Elamy et al. is a script of the repository: "
-    "python scenarios/papers/elamy_2023.py"
+    "python scenarios/papers/elamy_2023.py",
+    "campbell --response": "peaks of the periodic motion over crank speed are those of flexmech "
+    "sweep: vary crank-speed in a study file (flexmech new study FILE) whose output is "
+    "peak_deflection",
 }
+"""What commands and options that have left the program became."""
 
 # What typer raises on wrong command lines; it has no public name for their common base.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -115,6 +119,9 @@ class _Commands(TyperGroup):
         """Read a command line, in which some options of its command may stand without a value."""
         command = _NAMED.get(next(iter(args), ""))
         known = inspect.signature(command).parameters if command else {}
+        for moved in (f"{args[0]} {arg.partition('=')[0]}" for arg in args[1:]):
+            if moved in _MOVED:
+                raise _UsageError(f"{moved.split()[1]}: {_MOVED[moved]}")
         for number, (this, following) in enumerate(zip(args, [*args[1:], "-"], strict=False)):
             if this.removeprefix("--no").strip("-").replace("-", "_") in known:
                 args[number] = with_value(this, following)

@@ -29,7 +29,7 @@ def hammer(
     pulse: Annotated[float | None, typed.PULSE] = None,
     noise: Annotated[float, typed.NOISE] = options.ZERO,
     grid: Annotated[int | None, Option(min=2)] = None,
-    engine: choices.EngineName = "exudyn",
+    engine: choices.EngineName | None = None,
     element: options.Element = None,
     elements: options.Elements = choices.ELEMENTS_A_LINK,
     prestress: choices.Prestress | None = None,
@@ -44,7 +44,8 @@ def hammer(
 
     Force pulse and response in time, coherence, frequency-response function, and natural
     frequencies and damping ratios identified from it, beside those of the eigen model: a table,
-    CSV and NetCDF files, and pictures.
+    CSV and NetCDF files, and pictures. With --running the harmonic transfer functions of the
+    running linkage, by its linear equations.
 
     Options
     -------
@@ -70,14 +71,15 @@ def hammer(
     grid : N
         Rove the impact over so many points of each link: mode shapes and MAC.
     engine
-        exudyn: its nonlinear transient; reference: the exact answer of the linear equations.
+        exudyn: its nonlinear transient; reference: the exact answer of the linear equations, the
+        only one with --running. Left out: exudyn, reference with --running.
     prestress
         none: elastic stiffness alone; axial: with the axial forces of the rigid motion;
         equilibrium: at the nonlinear quasi-static equilibrium. Left out: none where
         the crank is locked, equilibrium with --running.
     running : SPEED
-        Hit the running linkage at this crank speed: rad/s unless a unit is given, as in "300 rpm";
-        alone, at the greatest speed at which the model operates.
+        What a force on the running linkage does at this crank speed, order by order: rad/s unless a
+        unit is given, as in "300 rpm"; alone, at the greatest speed at which the model operates.
     uff
         Write universal files too, for the programs of a laboratory.
     seed
@@ -100,32 +102,41 @@ def hammer(
     record: dict[str, Any] = {
         **points,
         "direction": direction,
-        "averages": averages,
         "bandwidth": bandwidth,
         "duration": duration,
+    }
+    impacts: dict[str, Any] = {
+        "averages": averages,
         "pulse": pulse,
         "noise": noise,
         "seed": seed,
+        "grid": grid,
     }
     with naming("--pulse, --duration, --averages, --noise"):
-        locked = prestress or "none"
-        request = analyses.HammerRequest(
-            typed.radians(angle), prestress=locked, grid=grid, **record
-        )
+        angles, locked = typed.radians(angle), prestress or "none"
+        request = analyses.HammerRequest(angles, prestress=locked, **record, **impacts)
     if running is not None:
-        _refuse_when_running(angle != [0.0], grid is not None, uff)
+        usual = analyses.HammerRequest(0.0)
+        given = [name for name in impacts if impacts[name] != getattr(usual, name)]
+        given += ["angle"] * (angle != [0.0]) + ["uff"] * uff
+        if given:
+            raise InputError(
+                f"--{given[0]} does not go with --running, which hits nothing: its answer is that "
+                "of the linear equations at all crank angles; leave one of them out"
+            )
     elif uff:
         with naming("--uff"):
             check_uff()
+    engine = engine or ("exudyn" if running is None else "reference")
     chosen = analyses.chosen_engines(mechanism, engine, element, elements)[0]
     if running is not None:
         own = running if running.numbers else None  # --running alone
         running = typed.speeds_or_own(own, mechanism, "--running", GREATEST)
         record |= {"prestress": prestress or "equilibrium", "damping_ratio": damping_ratio}
-        hits = analyses.RunningHammerRequest(running.single, **record, speed_unit=running.unit)
+        asked = analyses.RunningHammerRequest(running.single, **record, speed_unit=running.unit)
         deliver(
             analyses.RunningHammerTest,
-            lambda progress: running_hammer_test(chosen, hits, progress=progress),
+            lambda _: running_hammer_test(chosen, asked),
             output,
             model=model,
             speeds=running,
@@ -142,19 +153,6 @@ def hammer(
         model=model,
         further=lambda result, folder, _: result.save_uff(folder) if uff else [],
     )
-
-
-def _refuse_when_running(angle: bool, grid: bool, uff: bool) -> None:
-    """Refuse options that ask for what a test on the running linkage is not, where given."""
-    for option, is_given, reason in (
-        ("--angle", angle, "the crank is not locked; impacts come at angles all around the turn"),
-        ("--grid", grid, "mode shapes are those of the locked linkage"),
-        ("--uff", uff, "harmonic responses have no place in universal files"),
-    ):
-        if is_given:
-            raise InputError(
-                f"{option} does not go with --running: {reason}; leave one of them out"
-            )
 
 
 def compare(

@@ -91,7 +91,6 @@ def campbell(
     rotation_terms: options.RotationTerms = options.ALL,
     elements: options.PinnedElements = None,
     tolerance: options.Tolerance = TOLERANCE,
-    response: Annotated[bool, typer.Option("--response")] = False,
     *,
     environment: options.AskedEnvironment,
     output: options.AskedOutput,
@@ -114,10 +113,6 @@ def campbell(
     prestress
         none: elastic stiffness alone; axial: with the axial forces of the rigid motion;
         equilibrium: at the nonlinear quasi-static equilibrium.
-    response
-        Also the peaks of the periodic motion over the quasi-static ones: from a twentieth of the
-        greatest speed on, at a hundred of the speeds at most; about a third of a second each,
-        longer at low speeds.
     """
     from flexmech.analyses.campbell.compute import campbell as analysis
     from flexmech.analyses.crank_speeds import CAMPBELL
@@ -134,7 +129,6 @@ def campbell(
             modes=modes,
             prestress=prestress,
             rotation_terms=rotation_terms,
-            response=response,
             environment=environment,
             speed_unit=speeds.unit,
             tolerance=tolerance if elements is None else None,

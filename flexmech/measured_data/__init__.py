@@ -13,7 +13,6 @@ from flexmech.measured_data.uff_contents import (
     UffFunction,
     UffMode,
     UffNodes,
-    UffTrace,
 )
 from flexmech.measured_data.uff_files import check_uff, read_uff, read_uff_record, write_uff
 
@@ -26,7 +25,6 @@ __all__ = [
     "UffFunction",
     "UffMode",
     "UffNodes",
-    "UffTrace",
     "check_uff",
     "read_csv_record",
     "read_record",

@@ -1,4 +1,4 @@
-"""What a universal file of a modal test holds: points, traces, functions at points, and modes."""
+"""What a universal file of a modal test holds: points, functions at points, and modes."""
 
 from __future__ import annotations
 
@@ -61,21 +61,6 @@ class UffNodes:
     label: NDArray[np.intp]
     position: FloatArray
     frame: NDArray[np.intp]
-
-
-@dataclass(frozen=True)
-class UffTrace:
-    """A line that is drawn through nodes (data set 82).
-
-    Parameters
-    ----------
-    name : str
-    nodes : tuple of int
-        Labels; 0 lifts the pen.
-    """
-
-    name: str
-    nodes: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -191,7 +176,6 @@ class UffFile:
         That wrote it.
     nodes : UffNodes, optional
     frames : tuple of UffFrame
-    traces : tuple of UffTrace
     functions : tuple of UffFunction
     modes : tuple of UffMode
     others : tuple of int
@@ -203,7 +187,6 @@ class UffFile:
     program: str = ""
     nodes: UffNodes | None = None
     frames: tuple[UffFrame, ...] = ()
-    traces: tuple[UffTrace, ...] = ()
     functions: tuple[UffFunction, ...] = ()
     modes: tuple[UffMode, ...] = ()
     others: tuple[int, ...] = ()

@@ -17,7 +17,6 @@ from flexmech.measured_data.uff_contents import (
     UffFunctionKind,
     UffMode,
     UffNodes,
-    UffTrace,
 )
 from flexmech.measured_data.uff_units import (
     QUANTITIES,
@@ -70,7 +69,6 @@ def datasets_of(contents: UffFile) -> list[DataSet]:
         _units(),
         *([_frames(contents.frames)] if contents.frames else []),
         *([_nodes(contents.nodes)] if contents.nodes else []),
-        *(_trace(number, trace) for number, trace in enumerate(contents.traces, 1)),
         *(_function(number, one) for number, one in enumerate(contents.functions, 1)),
         *(_mode(mode) for mode in contents.modes),
     ]
@@ -97,7 +95,6 @@ def contents_of(datasets: Sequence[DataSet]) -> UffFile:
         18: _read_frames,
         55: _read_mode,
         58: _read_function,
-        82: _read_trace,
     }
     found: dict[int, list[Any]] = {number: [] for number in (*readers, 151, 164)}
     others: list[int] = []
@@ -123,7 +120,6 @@ def contents_of(datasets: Sequence[DataSet]) -> UffFile:
         program=_text(header.get("program")),
         nodes=_joined(found[15]),
         frames=tuple(frame for group in found[18] for frame in group),
-        traces=tuple(found[82]),
         functions=tuple(found[58]),
         modes=tuple(found[55]),
         others=tuple(others),
@@ -178,15 +174,6 @@ def _nodes(nodes: UffNodes) -> DataSet:
         "x": x,
         "y": y,
         "z": z,
-    }
-
-
-def _trace(number: int, trace: UffTrace) -> DataSet:
-    return {
-        "type": 82,
-        "trace_num": number,
-        "id": _line(trace.name),
-        "nodes": np.array(trace.nodes),
     }
 
 
@@ -302,10 +289,6 @@ def _read_frames(dataset: DataSet, units: UffUnits | None) -> list[UffFrame]:
             dataset["cs_num"], dataset["cs_name"], origin, angle, strict=True
         )
     ]
-
-
-def _read_trace(dataset: DataSet, _units: UffUnits | None) -> UffTrace:
-    return UffTrace(_text(dataset["id"]), tuple(int(node) for node in dataset["nodes"]))
 
 
 def _read_function(dataset: DataSet, units: UffUnits | None) -> UffFunction:

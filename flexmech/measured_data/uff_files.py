@@ -1,6 +1,6 @@
 """Universal files (UFF) of modal tests, written and read through pyuff (extra ``modal-test``).
 
-Data sets: 151 header, 164 units, 18 frames, 15 nodes, 82 trace lines, 58 functions at nodes, 55
+Data sets: 151 header, 164 units, 18 frames, 15 nodes, 58 functions at nodes, 55
 modes at nodes. Their formats are those of the Structural Dynamics Research Laboratory, University
 of Cincinnati. All is written in SI units, as text: functions with 12 digits, their first abscissa
 and its step, nodes, frames and modes with 6.

@@ -2,7 +2,6 @@ from .animation import mp4_available as mp4_available
 from .animation import write_animation as write_animation
 from .balance import plot_balance as plot_balance
 from .campbell import plot_campbell as plot_campbell
-from .campbell import plot_speed_sweep as plot_speed_sweep
 from .designs.optima import plot_pareto as plot_pareto
 from .designs.optima import plot_search as plot_search
 from .designs.outputs import plot_designs as plot_designs

@@ -1,4 +1,4 @@
-"""Critical speeds: the Campbell diagram, and steady-state deflection against crank speed."""
+"""The Campbell diagram: bands of natural frequencies, orders of the crank, critical speeds."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import NullLocator
 
 from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.plots import reading, scales, style
-from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.spectra import ONE_LINK
+from flexmech.plots.layout import grid, sheet
 from flexmech.plots.style import (
     AXES_HEIGHT,
     BESIDE_PANELS,
@@ -28,9 +26,9 @@ from flexmech.plots.style import (
 )
 from flexmech.units import from_si
 
-# Of the panel of bands, which is read closely, on a wide and on a narrow page, where it is nearly
-# square, and of that of peaks, which has half the height; in inches.
-BANDS_HEIGHT, NARROW_BANDS_HEIGHT, PEAKS_HEIGHT = 3.9, 3.0, 1.7
+# Of the panel, which is read closely, on a wide and on a narrow page, where it is nearly square; in
+# inches.
+BANDS_HEIGHT, NARROW_BANDS_HEIGHT = 3.9, 3.0
 ROOM = 1.06
 """Of the frequency axis over the highest band, whose edge is seen below the end of the axis."""
 # Bands let rays and each other through; rays stand back, and what is critical stands out.
@@ -41,61 +39,38 @@ CRITICAL: Look = {"color": "0.1", "lw": 1.8, "solid_capstyle": "round", "zorder"
 POINT: Look = {"color": "0.1", "marker": "o", "ms": 3.2, "ls": "", "zorder": 4}
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.75", "hatch": "////", "lw": 0}
 OTHER_ENGINE: Look = {"color": "0.25", "lw": 0.7, "ls": (0.0, (4.0, 2.0)), "zorder": 3}
-PEAK_GREYS = ("0.1", "0.35", "0.55")
 # Least distance of two labels of orders in inches: their height, and for each letter its width.
 APART_UP, APART_LETTER = 0.13, 0.075
 # Ends of a critical speed nearer to each other than this, relatively, are drawn as a point: of an
 # axis of 2,000 pixels it is less than one.
 NO_WIDTH = 1e-4
-BOTH = "choose nothing, or give two Axes: one for the bands and one for the peaks"
-
-# Of a link, four of which fit a page, and what the axes of speed and the strip's edge take, in
-# inches.
-LINK_HEIGHT, SWEEP_AXES_HEIGHT = 1.5, 1.0
-# One row of labels of critical speeds, in inches: letters of 7 points and a mark below them.
-ROW_HEIGHT = 0.2
-# Mean width of these letters as a fraction of their size: f, / and 1 are narrow.
-MEAN_LETTER = 0.5
-# Bands of several modes lie over each other, and the curve over all of them: three are no wall.
-BAND_OPACITY = 0.18
-ENDS = ["critical_speed_low", "critical_speed_high"]
-SETTLED: Look = {"ls": "", "marker": "s", "ms": 4.2, "mfc": "white", "mec": series_style(1).color}
-
-Bands = dict[int, list[tuple[str, float, float]]]
-"""Name and ends of critical speeds by mode, from the lowest order on."""
 
 
-def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+def plot_campbell(dataset: xr.Dataset, *, ax: Axes | None = None) -> Figure:
     """Draw bands of natural frequencies against crank speed, and where orders meet them.
 
     Filled is a branch from its lowest to its highest frequency over the crank angles; the line in
     it is the mean. Grey rays are the orders, multiples of the crank's turns per second; the dark
     part of a ray is inside a band: these are critical speeds. Hatched are speeds without a
-    result. Where there are peaks of the periodic motion, they stand below over the quasi-static
-    ones. Of further engines the bands' ends and means are dashed lines. The axis of frequencies
+    result. Of further engines the bands' ends and means are dashed lines. The axis of frequencies
     ends above the lowest band that no order reaches: those beyond it are named in the heading.
 
     Parameters
     ----------
     dataset : Dataset
         Of a ``CampbellDiagram`` result; frequencies in Hz, speeds in rad/s.
-    ax : Axes or sequence of Axes, optional
-        The user's: one, or two where there are peaks of the periodic motion. Left out: a new
-        figure is made.
+    ax : Axes, optional
+        The user's. Left out: a new figure is made.
 
     Returns
     -------
     Figure
     """
-    factor, peaks = from_si(1.0, reading.speed_unit(dataset)), "peak_ratio" in dataset
-    shown = _shown_branches(dataset)
-    heights = [NARROW_BANDS_HEIGHT if style.is_narrow() else BANDS_HEIGHT, PEAKS_HEIGHT][
-        : 1 + peaks
-    ]
-    layout = grid(len(heights), 1, sum(heights) + AXES_HEIGHT, sharex=True, height_ratios=heights)
-    with sheet(layout, ax=ax, fewer=BOTH) as drawn:
+    factor, shown = from_si(1.0, reading.speed_unit(dataset)), _shown_branches(dataset)
+    height = NARROW_BANDS_HEIGHT if style.is_narrow() else BANDS_HEIGHT
+    with sheet(grid(1, 1, height + AXES_HEIGHT), ax=ax) as drawn:
         title = "Campbell diagram" + _left_out(dataset, shown)
-        drawn.header(_handles(dataset, peaks, shown), title, of=dataset)
+        drawn.header(_handles(dataset, shown), title, of=dataset)
         bands = drawn.panels[0]
         bands.set_xlim(*scales.speed_limits(dataset))
         highest = dataset["highest_frequency"].sel(branch=shown).values
@@ -105,10 +80,7 @@ def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         _draw_rays(bands, dataset, factor)
         _draw_critical(bands, dataset, factor)
         bands.set_ylabel("Natural frequency (Hz)")
-        for axes in drawn.panels:
-            _draw_gaps(axes, dataset, labelled=axes is bands)
-        if peaks:
-            _draw_peaks(drawn.panels[1], dataset)
+        _draw_gaps(bands, dataset)
         drawn.label_x(f"Crank speed ({reading.speed_unit(dataset)})")
         scales.second_speed_axis(bands, dataset)
     return drawn.figure
@@ -223,35 +195,21 @@ def _draw_critical(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
         axes.plot(factor * ends, ray, **(CRITICAL if wide else POINT))
 
 
-def _draw_gaps(axes: Axes, dataset: xr.Dataset, *, labelled: bool) -> None:
+def _draw_gaps(axes: Axes, dataset: xr.Dataset) -> None:
     """Speeds without a result by the first engine, as far as the next ones with one."""
     lowest = dataset["lowest_frequency"].isel(engine=0, branch=0).values
     speed = reading.speeds_of(dataset)
     for run in unbroken_runs(~np.isfinite(lowest)):
         left, right = speed[max(run.start - 1, 0)], speed[min(run.stop, len(speed) - 1)]
         axes.axvspan(left, right, **GAP, zorder=0)
-        if labelled:
-            text = "no result" if right - left > 0.2 * np.ptp(axes.get_xlim()) else "gap"
-            look: Look = {"ha": "center", "va": "center", "fontsize": LABEL_POINTS, "zorder": 5}
-            look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
-            middle, across = (left + right) / 2, axes.get_xaxis_transform()
-            axes.text(middle, 0.5, text, transform=across, **look)
+        text = "no result" if right - left > 0.2 * np.ptp(axes.get_xlim()) else "gap"
+        look: Look = {"ha": "center", "va": "center", "fontsize": LABEL_POINTS, "zorder": 5}
+        look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+        middle, across = (left + right) / 2, axes.get_xaxis_transform()
+        axes.text(middle, 0.5, text, transform=across, **look)
 
 
-def _draw_peaks(axes: Axes, dataset: xr.Dataset) -> None:
-    """Peaks of the periodic motion over the quasi-static ones, on a logarithmic axis."""
-    speed = reading.speeds_of(dataset, "response_speed")
-    ratio = reading.values_of(dataset["peak_ratio"], "link", "response_speed")
-    for number, values in enumerate(ratio):
-        axes.plot(speed, values, **_link_look(number))
-    axes.set_ylabel("Peak deflection over\nquasi-static peak")
-    if ratio.size:
-        low, high = min(0.9, 0.9 * float(ratio.min())), max(2.0, 1.25 * float(ratio.max()))
-        scales.log_scale(axes, low, high, plain=True)
-    axes.axhline(1.0, **RAY)
-
-
-def _handles(dataset: xr.Dataset, peaks: bool, shown: list[int]) -> list[Artist]:
+def _handles(dataset: xr.Dataset, shown: list[int]) -> list[Artist]:
     branches = dataset["branch"].values.tolist()
     of_all = series_handles((f"branch {n}" for n in branches), dataset["crank_speed"].values)
     handles = [handle for n, handle in zip(branches, of_all, strict=True) if n in shown]
@@ -259,137 +217,4 @@ def _handles(dataset: xr.Dataset, peaks: bool, shown: list[int]) -> list[Artist]
     handles += line_handles({"order": RAY, "critical speed": CRITICAL})
     for other in range(1, dataset.sizes["engine"]):
         handles.append(line_handle(reading.engine_label(dataset, other), **OTHER_ENGINE))
-    for number, link in enumerate(reading.names_of(dataset, "link") if peaks else ()):
-        handles.append(line_handle(reading.link_label(dataset, link).lower(), **_link_look(number)))
-    return handles
-
-
-def _link_look(number: int) -> Look:
-    """Line of a link's peaks: greys, for the colours are those of the branches."""
-    color = PEAK_GREYS[number % len(PEAK_GREYS)]
-    return {"color": color, "ls": series_style(number).linestyle, "lw": 1.1}
-
-
-def plot_speed_sweep(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw the steady-state peak deflection of each link against crank speed.
-
-    One panel a link. Shaded are the critical speeds: where a multiple (the order) of the
-    crank's turns per second meets a natural frequency at some angle of the turn. The strip
-    above the panels of a new figure has a row for each mode and names the bands, f₂/5 where
-    the fifth multiple meets the second frequency; names that would touch a lower order's are
-    left out.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        With ``peak_deflection`` (crank_speed, link) in m, ``critical_speed_low`` and
-        ``critical_speed_high`` (mode, order) in rad/s, and the coordinate ``probe`` of the
-        links. Peaks of full simulations, ``settled_peak`` (settled_speed, link) in m, are
-        drawn as markers if there are any.
-    ax : Axes or sequence of Axes, optional
-        The user's, one a link. Left out: a new figure is made.
-
-    Returns
-    -------
-    Figure
-    """
-    dataset, unit = dataset.sortby("crank_speed"), reading.speed_unit(dataset)
-    factor, links = from_si(1.0, unit), reading.names_of(dataset, "link")
-    # Markers of simulations do not hang over the edges.
-    limits = scales.speed_limits(dataset, 0.015 if "settled_peak" in dataset else 0.0)
-    bands = _bands(dataset, factor, limits)
-    with sheet(_sweep_layout(len(links), len(bands)), ax=ax, fewer=ONE_LINK) as drawn:
-        drawn.header(_sweep_handles(dataset, bands), "Steady-state peak deflection", of=dataset)
-        for axes, link in zip(drawn.panels, links, strict=True):
-            axes.set_xlim(*limits)
-            for row, mode in enumerate(bands):
-                # Overlaps would look darker than they are.
-                for low, high in reading.merged((low, high) for _, low, high in bands[mode]):
-                    axes.axvspan(low, high, color=_color(row), alpha=BAND_OPACITY, lw=0, zorder=0)
-            _draw_peaks_of_link(axes, dataset.sel(link=link))
-            axes.set_ylabel(f"{reading.link_label(dataset, link)}\npeak deflection (mm)")
-        drawn.label_x(f"Crank speed ({unit})")
-        top = drawn.figure.axes[0] if drawn.is_new else drawn.panels[0]
-        if drawn.is_new:
-            _draw_strip(top, bands)
-        scales.second_speed_axis(top, dataset)
-    return drawn.figure
-
-
-def _sweep_layout(links: int, modes: int) -> Layout:
-    """A panel a link under a strip with a row a mode, which is a panel in new figures alone."""
-    heights = [ROW_HEIGHT * modes + 0.02, *[max(LINK_HEIGHT, 2.6 / links)] * links]
-    whole = grid(links + 1, 1, sum(heights) + SWEEP_AXES_HEIGHT, sharex=True, height_ratios=heights)
-    return Layout(links, whole.height, lambda figure: whole.make(figure)[1:])
-
-
-def _bands(dataset: xr.Dataset, factor: float, limits: tuple[float, float]) -> Bands:
-    """Bands within the limits; one that only reaches into the range is cut off at the edge."""
-    ordered, bands = dataset[ENDS].sortby("order"), Bands()
-    lows, highs = (factor * reading.values_of(ordered[end], "mode", "order") for end in ENDS)
-    for row, mode in enumerate(ordered["mode"].values.tolist()):
-        for column, order in enumerate(ordered["order"].values.tolist()):
-            low, high = float(lows[row, column]), float(highs[row, column])
-            if high > limits[0] and low < limits[1]:
-                cut = (
-                    f"f{reading.subscripts(mode)}/{order}",
-                    max(low, limits[0]),
-                    min(high, limits[1]),
-                )
-                bands.setdefault(mode, []).append(cut)
-    return bands
-
-
-def _color(row: int) -> str:
-    # The first two colours are those of the deflections.
-    return series_style(2 + row % 4).color
-
-
-def _draw_strip(axes: Axes, bands: Bands) -> None:
-    """Strip above the panels with the bands' names, a row a mode."""
-    axes.set_ylim(0.0, max(len(bands), 1))
-    axes.spines[["left", "bottom"]].set_visible(False)
-    axes.yaxis.set_major_locator(NullLocator())
-    axes.tick_params(bottom=False, labelbottom=False)
-    low_edge, high_edge = axes.get_xlim()
-    inch = (high_edge - low_edge) / (style.figure_width() - BESIDE_PANELS)
-    for row, mode in enumerate(bands):
-        free = np.inf
-        for number, (name, low, high) in enumerate(bands[mode]):
-            # Neighbours at two heights: wide bands of high orders overlap.
-            height = row + 0.12 * (number % 2)
-            axes.fill_between([low, high], height, height + 0.1, color=_color(row), lw=0)
-            half = (MEAN_LETTER * len(name) + 0.4) * LABEL_POINTS / 72 * inch / 2
-            # Near an edge the name moves inwards as far as it must.
-            middle = min(max((low + high) / 2, low_edge + half), high_edge - half)
-            # A band that barely reaches into the range has no name, which would stand beside it.
-            if low <= middle <= high and middle + half < free:
-                free = middle - half
-                axes.text(middle, row + 0.6, name, ha="center", va="center", fontsize=LABEL_POINTS)
-
-
-def _draw_peaks_of_link(axes: Axes, link: xr.Dataset) -> None:
-    """Peaks of one link in mm, on a logarithmic axis if they allow it."""
-    speed = reading.speeds_of(link)
-    drawn = [1e3 * link["peak_deflection"].values.astype(float)]
-    axes.plot(speed, drawn[0], **series_line(0, speed))
-    if "settled_peak" in link:
-        drawn.append(1e3 * link["settled_peak"].values.astype(float))
-        axes.plot(reading.speeds_of(link, "settled_speed"), drawn[1], **SETTLED, zorder=3)
-    values = np.concatenate(drawn)
-    positive = values[np.isfinite(values) & (values > 0)]
-    if positive.size == 0:
-        scales.plain_numbers(axes)
-        return
-    low, high = 0.8 * float(positive.min()), 1.25 * float(positive.max())
-    scales.log_scale(axes, low, high, plain=True)
-
-
-def _sweep_handles(dataset: xr.Dataset, bands: Bands) -> list[Artist]:
-    handles = [line_handle("steady state", color=series_style(0).color)]
-    if "settled_peak" in dataset:
-        handles.append(line_handle("settled simulation", **SETTLED))
-    for row, mode in enumerate(bands):
-        look: Look = {"color": _color(row), "alpha": 2 * BAND_OPACITY, "lw": 0}
-        handles.append(Patch(**look, label=f"f{reading.subscripts(mode)}/order"))
     return handles

@@ -56,8 +56,7 @@ ROW, NARROW_ROW, HARMONIC_AXES_HEIGHT = 1.25, 0.75, 0.7
 HEADROOM, HARMONIC_DECADES = 2.0, 4.5
 HARMONICS: dict[str, tuple[str, Look]] = {
     "frozen": ("frozen linkage", {"color": MID_GREY, "lw": 0.9, "ls": (0.0, (4.0, 2.0))}),
-    "receptance": ("identified from impacts", {"color": ORANGE, "lw": 2.4, "alpha": 0.55}),
-    "predicted": ("predicted by the periodic model", {"color": BLUE, "lw": 0.9}),
+    "receptance": ("running linkage", {"color": BLUE, "lw": 0.9}),
 }
 """Harmonic transfer functions of the dataset, from the lowest line up: label and look."""
 # A phase is drawn where its amplitude is above this part of the order's greatest: of round-off it
@@ -193,8 +192,8 @@ def plot_harmonic_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     """Draw amplitude and phase of each harmonic transfer function, a row an order.
 
     Along x is the frequency of the force; the response of order n is at that frequency and n
-    times the crank's. Broad is what was identified from impacts, thin what is predicted, dashed
-    what the frozen linkage would answer, by the Fourier series of its receptance over the turn.
+    times the crank's. Dashed is what the frozen linkage would answer, by the Fourier series of its
+    receptance over the turn.
 
     Parameters
     ----------
@@ -219,8 +218,7 @@ def plot_harmonic_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
         f"{speed_text(dataset)}, {attrs['engine']} engine"
     )
     with sheet(layout, ax=ax) as drawn:
-        frozen, *others = line_handles(dict(HARMONICS.values()))
-        drawn.header([*others, frozen], title, of=dataset)
+        drawn.header(line_handles(dict(HARMONICS.values()))[::-1], title, of=dataset)
         for row, order in enumerate(orders):
             amplitude, phase = drawn.panels[2 * row : 2 * row + 2]
             for name, values in functions.items():

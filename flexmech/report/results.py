@@ -30,7 +30,6 @@ KINDS: tuple[type[analyses.Result], ...] = (
     analyses.CouplerPaths,
     analyses.Strength,
     analyses.MoistureUptake,
-    analyses.SpeedSweep,
     analyses.CrankRockerSynthesis,
     DesignSweep,
     Uncertainty,

@@ -14,7 +14,6 @@ from flexmech.time_domain.equations_of_motion.driven_linkage import (
 )
 from flexmech.time_domain.equations_of_motion.driven_shaft import RotorCoupling, ShaftTorque
 from flexmech.time_domain.integrators.runs import (
-    LinkageUnderImpact,
     end_state,
     linear_run,
     simulator,
@@ -60,7 +59,6 @@ __all__ = [
     "FreeAndForced",
     "Impact",
     "LinkState",
-    "LinkageUnderImpact",
     "MovingModes",
     "NonlinearOrbit",
     "Recorder",

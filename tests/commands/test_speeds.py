@@ -90,8 +90,6 @@ def maps(mechanism, speeds, unit):
     engine, few = flexmech.ReferenceEngine(mechanism, 1), {"modes": 1, "speed_unit": unit}
     yield flexmech.moving_frequencies(engine, TURN, speeds, **few)
     yield flexmech.campbell(engine, speeds, crank_angles=TURN, **few)
-    if speeds is not None:
-        yield flexmech.speed_sweep(engine, speeds, **few)
 
 
 @pytest.mark.thorough

@@ -15,7 +15,6 @@ from flexmech.measured_data import (
     UffFunction,
     UffMode,
     UffNodes,
-    UffTrace,
     read_uff,
     read_uff_record,
     write_uff,
@@ -62,9 +61,8 @@ def contents() -> UffFile:
         for number in (1, 2)
     )
     frames = UffFrame(1, "coupler", (0.1, -0.2), 0.7), UffFrame(2, "rocker", (0.3, 0.0), -2.1)
-    traces = UffTrace("coupler", (3, 7)), UffTrace("rocker", (7, 12, 0, 3))
     functions = FORCE, VELOCITY, RECEPTANCE, COHERENCE
-    return UffFile("four-bar", "at 96.9 deg", "flexmech", nodes, frames, traces, functions, modes)
+    return UffFile("four-bar", "at 96.9 deg", "flexmech", nodes, frames, functions, modes)
 
 
 @pytest.fixture
@@ -77,7 +75,6 @@ def test_all_data_sets_are_read_back_to_the_digits_of_the_format(file):
     assert (read.model, read.description, read.program) == (
         *("four-bar", "at 96.9 deg", "flexmech"),
     )
-    assert read.traces == wrote.traces
     np.testing.assert_array_equal(read.nodes.label, wrote.nodes.label)
     np.testing.assert_array_equal(read.nodes.frame, wrote.nodes.frame)
     np.testing.assert_allclose(read.nodes.position, wrote.nodes.position, **FEW_DIGITS)
@@ -114,7 +111,7 @@ def test_fields_stand_in_the_columns_of_the_format(file):
     for block in file.read_text().split("    -1\n")[1::2]:
         lines = block.splitlines()
         blocks.setdefault(int(lines[0]), []).append(lines[1:])
-    assert list(blocks) == [151, 164, 18, 15, 82, 58, 55]
+    assert list(blocks) == [151, 164, 18, 15, 58, 55]
     receptance = blocks[58][2]
     sixth, seventh = receptance[5], receptance[6]
     columns = [(0, 5), (15, 20), (31, 41), (41, 51), (51, 55), (56, 66), (66, 76), (76, 80)]

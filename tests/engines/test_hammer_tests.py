@@ -149,41 +149,30 @@ def test_three_modes_are_identified_all_over_the_turn(name, method):
 RUNNING = RunningHammerRequest(20.0, COUPLER, ROCKER, damping_ratio=0.1, bandwidth=60.0, orders=1)
 
 
-@pytest.mark.thorough
-def test_sidebands_identified_in_runs_are_those_of_the_harmonic_balance():
-    """Of orders -1, 0 and 1 at 20 rad/s within 5 %; frozen linkages answer up to 24 % otherwise."""
+def test_sidebands_are_those_of_the_harmonic_balance():
+    """At 20 rad/s; frozen linkages answer up to 24 % otherwise."""
     test = running_hammer_test(
         ReferenceEngine(load_mechanism(example_model("aluminium_fourbar")), 2), RUNNING
     )
     peaks, data = test.peaks(), test.dataset
     assert peaks["order"].tolist() == [-1, 0, 1]
-    np.testing.assert_allclose(peaks["identified_m_N"], peaks["predicted_m_N"], rtol=0.05)
-    assert peaks["bins_apart"].max() <= 1
+    assert float(data["balance_error"].max()) < 1e-6
+    assert float(data["reduction_error"].max()) < 1e-2
     frozen = np.hypot(data["frozen_real"], data["frozen_imag"]).max("frequency").values
-    assert np.abs(frozen / peaks["predicted_m_N"] - 1).max() > 0.15
-    # What the identification rests on: small impacts that have decayed, spread over the turn.
-    assert data["halving_change"].max() < 0.01
-    assert data["decay"].max() < 1e-4
-    assert data.attrs["condition"] < 2
-    assert data.sizes["impact"] >= 2 * data.attrs["highest_fitted_order"] + 1
+    assert np.abs(frozen / peaks["peak_m_N"] - 1).max() > 0.15
 
 
-@pytest.mark.thorough
-@BOTH
-def test_a_rotating_arm_has_no_sidebands(engine):
+def test_a_rotating_arm_has_no_sidebands():
     """Its equations are constant: one receptance, of the order 0."""
-    arm = ENGINES[engine](load_mechanism(example_model("rotating_arm")), 2)
+    arm = ReferenceEngine(load_mechanism(example_model("rotating_arm")), 2)
     tip = LinkPoint("arm", 1.0)
     request = RunningHammerRequest(60.0, tip, tip, damping_ratio=0.3, orders=1)
     peaks = running_hammer_test(arm, request).peaks().set_index("order")
-    assert peaks.loc[0, "identified_m_N"] == pytest.approx(peaks.loc[0, "predicted_m_N"], rel=0.05)
-    assert peaks.loc[[-1, 1], "predicted_m_N"].tolist() == [0.0, 0.0]
-    assert (peaks.loc[[-1, 1], "identified_m_N"] < 1e-5 * peaks.loc[0, "identified_m_N"]).all()
+    assert peaks.loc[[-1, 1], "peak_m_N"].tolist() == [0.0, 0.0]
+    assert peaks.loc[0, "peak_m_N"] > 0
 
 
-@pytest.mark.thorough
-@BOTH
-def test_loads_and_springs_count_in_runs_and_in_what_is_predicted(engine):
+def test_loads_and_springs_count_in_the_answer_of_a_running_linkage():
     """Springs to the ground and in a joint, and a load over the turn, change the peaks by 20 %."""
     place = AttachmentPoint("rocker", 0.13)
     bare = load_mechanism(example_model("aluminium_fourbar"))
@@ -193,11 +182,14 @@ def test_loads_and_springs_count_in_runs_and_in_what_is_predicted(engine):
     )
     hinge = JointSpring("B", 0.0, 0.002)
     held = replace(bare, springs=(spring,), joint_springs=(hinge,), loads=(load,))
-    level = {"reference": "axial", "exudyn": "equilibrium"}[engine]
-    request = replace(RUNNING, impact=ROCKER, prestress=level, bandwidth=40.0)
-    test = running_hammer_test(ENGINES[engine](held, 2), request)
-    peaks, alone = test.peaks(), running_hammer_test(ReferenceEngine(bare, 2), request).peaks()
-    apart = (peaks["identified_m_N"] - peaks["predicted_m_N"]).abs()
-    assert apart.max() < 0.02 * peaks["predicted_m_N"].max()
-    assert np.abs(peaks["predicted_m_N"] / alone["predicted_m_N"] - 1).max() > 0.2
-    assert test.dataset.attrs["twin_defect"] < 2e-3
+    request = replace(RUNNING, impact=ROCKER, prestress="axial", bandwidth=40.0)
+    peaks, alone = (
+        running_hammer_test(ReferenceEngine(each, 2), request).peaks() for each in (held, bare)
+    )
+    assert np.abs(peaks["peak_m_N"] / alone["peak_m_N"] - 1).max() > 0.2
+
+
+def test_exudyn_is_referred_to_the_reference_engine():
+    engine = ExudynEngine(load_mechanism(example_model("rotating_arm")), 2)
+    with pytest.raises(InputError, match="--engine reference"):
+        running_hammer_test(engine, 20.0)

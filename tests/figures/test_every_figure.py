@@ -101,9 +101,7 @@ def test_axes_of_the_user_hold_what_a_new_figure_holds(plot: Plot) -> None:
     assert not plt.get_fignums()
 
 
-@pytest.mark.parametrize(
-    "plot", [plots.plot_pareto, plots.plot_forces, plots.plot_speed_sweep], ids=lambda p: p.__name__
-)
+@pytest.mark.parametrize("plot", [plots.plot_pareto, plots.plot_forces], ids=lambda p: p.__name__)
 def test_a_wrong_number_of_axes_is_refused_with_the_right_one(plot: Plot) -> None:
     count = FIGURES[plot][1]
     given = Figure().subplots(1, count + 1)

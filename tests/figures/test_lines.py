@@ -26,7 +26,6 @@ ABSCISSAE = {
     "window_time": ("window_time", 1.0),
     "crank_speed": ("crank_speed", 1.0),
     "moving_speed": ("moving_speed", 1.0),
-    "response_speed": ("response_speed", 1.0),
     "frequency": ("frequency", 1.0),
     "spectrum_frequency": ("spectrum_frequency", 1.0),
     "step": ("evaluations", 1.0),
@@ -62,9 +61,7 @@ def turning(data: xr.Dataset) -> xr.DataArray:
 
 
 def harmonic(data: xr.Dataset, order: int) -> xr.DataArray:
-    found = [
-        data[f"{name}_real"] + 1j * data[f"{name}_imag"] for name in ("receptance", "predicted")
-    ]
+    found = [data[f"{name}_real"] + 1j * data[f"{name}_imag"] for name in ("receptance", "frozen")]
     return xr.concat(found, "found").sel(order=order)
 
 
@@ -91,7 +88,6 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(0, "Natural frequency (Hz)", lambda d: d["lowest_frequency"][0]),
         Row(0, "Natural frequency (Hz)", lambda d: d["mean_frequency"][0]),
         Row(0, "Natural frequency (Hz)", lambda d: d["highest_frequency"][0]),
-        Row(1, "Peak deflection over quasi-static peak", lambda d: d["peak_ratio"]),
     ],
     plots.plot_coupler_angles: [
         Row(0, r"$\theta_3$ (deg)", lambda d: np.degrees(d["angle"].sel(link="coupler"))),
@@ -284,9 +280,6 @@ DRAWN: dict[Plot, list[Row]] = {
     plots.plot_speed_effect: [
         Row(1, "Change of frequency (Hz)", lambda d: d["speed_effect"][:, 2, :, 1]),
         Row(1, "Change of frequency (Hz)", lambda d: d["speed_effect"][:, 2, :, 1].sum("term")),
-    ],
-    plots.plot_speed_sweep: [
-        Row(2, "Coupler middle peak deflection (mm)", lambda d: 1e3 * d["peak_deflection"][:, 1]),
     ],
     plots.plot_transmission_angle: [
         Row(0, "Transmission angle (deg)", lambda d: np.degrees(d["transmission_angle"])),

@@ -59,29 +59,9 @@ def test_speeds_are_drawn_in_the_unit_of_the_user() -> None:
     axes = plots.plot_campbell(in_rpm).axes
     assert axes[-1].get_xlabel() == "Crank speed (rpm)"
     assert axes[0].get_xlim() == pytest.approx((0.0, 30.0 * RPM))
-    data = data_of(plots.plot_speed_sweep)
-    (lower,) = panels(plots.plot_speed_sweep(plots.chosen(data, links="coupler")))[1:]
-    figure = plots.plot_speed_sweep(
-        plots.chosen(data, links="coupler").assign_attrs(speed_unit="rpm")
-    )
-    (axes,) = panels(figure)[1:]
-    np.testing.assert_allclose(axes.lines[0].get_xdata(), RPM * lower.lines[0].get_xdata())
-    np.testing.assert_array_equal(axes.lines[0].get_ydata(), lower.lines[0].get_ydata())
-    assert top_axis(figure).get_xlabel() == "Crank speed (rad/s)"
     map_ = frequencies().dataset.assign_attrs(speed_unit="rpm")
     assert legend_texts(plots.plot_frequencies(map_))[0::2][:3] == ["0 rpm", "95.49 rpm", "191 rpm"]
     assert "from rest to 191 rpm" in heading(plots.plot_speed_effect(map_))
-
-
-def test_shaded_speeds_are_those_at_which_an_order_meets_a_band() -> None:
-    data = data_of(plots.plot_speed_sweep)
-    axes = panels(figure_of(plots.plot_speed_sweep))[-1]
-    probes = np.linspace(10.0, 20.0, 1001)
-    shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axes.patches]
-    low, high = data["critical_speed_low"].values, data["critical_speed_high"].values
-    inside = ((low.ravel() <= probes[:, None]) & (probes[:, None] <= high.ravel())).any(axis=1)
-    drawn = [any(start <= probe <= end for start, end in shaded) for probe in probes]
-    assert np.mean(drawn == inside) > 0.99
 
 
 def test_growth_is_drawn_at_the_speeds_asked_for_and_its_bands_are_shaded() -> None:

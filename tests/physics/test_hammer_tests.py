@@ -201,11 +201,13 @@ def test_a_universal_file_holds_records_receptance_and_modes_of_a_crank_angle(fi
 def test_nodes_and_shapes_of_a_universal_file_lie_on_the_linkage(files):
     data, read = roved_test().dataset.isel(crank_angle=1), read_uff(files[1])
     place = dict(zip(read.nodes.label.tolist(), read.nodes.position, strict=True))
-    for trace, length in zip(read.traces, data["link_length"].values, strict=True):
-        ends = place[trace.nodes[-1]] - place[trace.nodes[0]]
+    labels = np.sort(read.nodes.label)
+    of_links = [labels[labels // 1000 == link] for link in (1, 2, 3)]
+    for own, length in zip(of_links, data["link_length"].values, strict=True):
+        ends = place[own[-1]] - place[own[0]]
         assert np.hypot(*ends[:2]) == pytest.approx(length, rel=1e-5)
     # The end of the crank is the beginning of the coupler.
-    np.testing.assert_allclose(place[read.traces[0].nodes[-1]], place[read.traces[1].nodes[0]])
+    np.testing.assert_allclose(place[of_links[0][-1]], place[of_links[1][0]])
     angle, shape = data["link_angle"].values, complex_of(data, "shape")[:, 0]
     across = np.repeat(np.stack([-np.sin(angle), np.cos(angle)], axis=1), POINTS_A_LINK, axis=0)
     np.testing.assert_allclose(read.modes[0].shape[:, :2], shape[:, None] * across, atol=1e-5)

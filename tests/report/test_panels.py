@@ -124,8 +124,8 @@ SHOWN: dict[Callable[[], flexmech.Result], list[Shown]] = {
         Shown(
             "harmonic-response",
             "order +1 (m/N)",
-            "predicted by the periodic model",
-            lambda d: np.hypot(d["predicted_real"], d["predicted_imag"]).sel(order=1),
+            "running linkage",
+            lambda d: np.hypot(d["receptance_real"], d["receptance_imag"]).sel(order=1),
         )
     ],
     results.comparison: [

@@ -78,12 +78,7 @@ def running_frequencies() -> flexmech.MovingFrequencies:
 @functools.cache
 def campbell() -> flexmech.CampbellDiagram:
     speeds = np.linspace(0.0, 30.0, 7)
-    return flexmech.campbell(reference(), speeds, crank_angles=TURN[::3], modes=2, response=True)
-
-
-@functools.cache
-def speed_sweep() -> flexmech.SpeedSweep:
-    return flexmech.speed_sweep(reference(), np.linspace(10.0, 20.0, 11), modes=2)
+    return flexmech.campbell(reference(), speeds, crank_angles=TURN[::3], modes=2)
 
 
 @functools.cache

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -17,7 +16,6 @@ from flexmech.analyses.campbell.engine_bands import EngineDiagram, Gap, engine_d
 from flexmech.analyses.campbell.request import ORDERS, CampbellRequest
 from flexmech.analyses.campbell.result import CampbellDiagram
 from flexmech.analyses.crank_speeds import CAMPBELL, asked_speeds
-from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import (
     columns_of,
     engine_coordinates,
@@ -30,33 +28,21 @@ from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.remarks import environment_lines, left_out_attributes
 from flexmech.analyses.requests import Engines, as_many_modes, engines_of
-from flexmech.analyses.response.measurements import probes
-from flexmech.analyses.speed_sweep.compute import (
-    highest_frequency,
-    periodic_peaks,
-    quasi_static_peaks,
-    vibrating_linkage,
-)
-from flexmech.arrays import FloatArray, IntArray, LabelledProgress, silent
+from flexmech.arrays import IntArray, LabelledProgress, silent
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
-from flexmech.errors import ComputationError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, RotationTerms
 from flexmech.threads import one_thread
-from flexmech.validation import POSITIVE, check_choice, check_flag, check_number, checked_array
+from flexmech.validation import POSITIVE, check_choice, check_number, checked_array
 
 
-def dataset_of(
-    diagrams: Sequence[EngineDiagram], request: CampbellRequest, steady: SteadyResponse | None
-) -> xr.Dataset:
+def dataset_of(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> xr.Dataset:
     """Join the diagrams of all engines, and label them.
 
     Parameters
     ----------
     diagrams : sequence of EngineDiagram
     request : CampbellRequest
-    steady : SteadyResponse, optional
-        Of the first engine.
 
     Returns
     -------
@@ -110,13 +96,6 @@ def dataset_of(
             "order": request.orders,
         },
     )
-    if steady is not None:
-        dataset["peak_ratio"] = (("response_speed", "link"), steady.ratio)
-        links = list(engines[0].mechanism.linkage.topology.link_names)
-        dataset = dataset.assign_coords(
-            response_speed=steady.crank_speed, link=links, probe=("link", probes(engines[0]))
-        )
-        dataset.attrs["without_periodic_motion"] = "\n".join(steady.left_out.values())
     angles = np.degrees(request.crank_angles)
     turn = "a turn" if request.full_turn else f"{angles[0]:.6g} to {angles[-1]:.6g} deg"
     return with_units(dataset, "campbell").assign_attrs(
@@ -147,7 +126,6 @@ def campbell(
     modes: int | None = None,
     prestress: Prestress = "equilibrium",
     rotation_terms: bool | RotationTerms = True,
-    response: bool = False,
     environment: Environment | None = None,
     speed_unit: str | None = None,
     tolerance: float | None = None,
@@ -177,9 +155,6 @@ def campbell(
     prestress : {"none", "axial", "equilibrium"}
     rotation_terms : bool or RotationTerms
         Terms of the turning link frames: all, none (the frozen inertial form), or those selected.
-    response : bool
-        Also find the periodic motion, with the first engine, and its peaks over the quasi-static
-        ones: from a twentieth of the greatest speed on, at a hundred of the speeds at most.
     environment : HygrothermalState or Exposure, optional
         Heat and moisture that the linkage turns in; dry by default.
     speed_unit : str, optional
@@ -217,7 +192,6 @@ def campbell(
     if tolerance is not None:
         check_number(tolerance, "tolerance", bounds=POSITIVE)
     check_choice(prestress, PRESTRESS_LEVELS, "prestress")
-    check_flag(response, "response")
     speeds, unit = asked_speeds(crank_speeds, speed_unit, engines[0].mechanism, CAMPBELL)
     angles = TURN if crank_angles is None else checked_array(crank_angles, "crank_angles", "rad")
     multiples = cast(IntArray, checked_array(orders, "orders"))
@@ -231,7 +205,7 @@ def campbell(
         formulation = Formulation(prestress, rotation_terms, count)
         request = CampbellRequest(speeds, angles, multiples, formulation, unit)
         fit = [each.fit_for(count) for each in engines]
-        found = _diagram(fit, request, tolerance, response, report)
+        found = _diagram(fit, request, tolerance, report)
         return found.assign_attrs(theory_attributes(fit, count))
 
     dataset, fewer = as_many_modes(compute, modes, unit)
@@ -244,10 +218,9 @@ def _diagram(
     engines: Sequence[Engine],
     request: CampbellRequest,
     tolerance: float | None,
-    response: bool,
     report: LabelledProgress,
 ) -> xr.Dataset:
-    """Dataset of the diagrams of all engines, with the periodic motion if it is asked for."""
+    """Dataset of the diagrams of all engines."""
     unit = request.shown_unit
     with one_thread():
         diagrams = []
@@ -255,19 +228,8 @@ def _diagram(
             count = _Counter(report, each.name, len(request.crank_speeds))
             diagrams.append(engine_diagram(each, request, tolerance, count, unit))
             count.finish()
-        attributes = {"flutter": _flutter(diagrams, request)}
-        steady = None
-        if response:
-            first = diagrams[0]
-            loss = CountedLoss.of(first.engine)
-            attributes |= loss.attributes
-            solved = request.crank_speeds[first.sampled.exists[first.places]]
-            speeds = response_speeds(solved)
-            count = _Counter(report, "periodic motion", len(speeds))
-            prestress = request.formulation.quasi_static_prestress
-            damped = loss.engine(first.engine)
-            steady = steady_response(damped, speeds, prestress, count, unit)
-    return dataset_of(diagrams, request, steady).assign_attrs(attributes)
+        flutter = _flutter(diagrams, request)
+    return dataset_of(diagrams, request).assign_attrs(flutter=flutter)
 
 
 def _flutter(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> str:
@@ -293,103 +255,3 @@ class _Counter:
     def finish(self) -> None:
         """Nothing is left to do."""
         self(self.total)
-
-
-logger = logging.getLogger(__name__)
-
-# Speeds at which the periodic motion is computed, evenly chosen from those asked for: each has a
-# linkage of its own, and a panel shows no more.
-MOST_RESPONSES = 100
-# Harmonics of the crank that reach higher modes are weak.
-RESPONSE_MODES = 3
-# A turn at a low speed is long, and its motion quasi-static.
-SLOWEST = 0.05
-
-
-@dataclass(frozen=True)
-class SteadyResponse:
-    """Peaks at R crank speeds.
-
-    Parameters
-    ----------
-    crank_speed : ndarray, shape (R,)
-        rad/s.
-    ratio : ndarray, shape (R, n_links)
-        Peak deflection of the periodic motion over that of the quasi-static one.
-    left_out : dict of float to str
-        Why there is no periodic motion, by crank speed.
-    """
-
-    crank_speed: FloatArray
-    ratio: FloatArray
-    left_out: dict[float, str]
-
-
-def response_speeds(crank_speeds: FloatArray) -> FloatArray:
-    """Those of the crank speeds at which the periodic motion is computed.
-
-    From a twentieth of the greatest speed on, and of many speeds a hundred, evenly chosen.
-
-    Parameters
-    ----------
-    crank_speeds : ndarray, shape (S,)
-        rad/s.
-
-    Returns
-    -------
-    ndarray, shape (R,)
-
-    Examples
-    --------
-    >>> response_speeds(np.array([0.0, 1.0, 10.0, 100.0])).tolist()
-    [10.0, 100.0]
-    """
-    size = np.abs(crank_speeds)
-    fast = crank_speeds[(size > 0) & (size >= SLOWEST * size.max())]
-    some = np.linspace(0, len(fast) - 1, min(len(fast), MOST_RESPONSES))
-    return np.asarray(fast[np.unique(np.round(some).astype(np.intp))])
-
-
-def steady_response(
-    engine: Engine,
-    crank_speeds: FloatArray,
-    prestress: Prestress,
-    report: Callable[[int], None],
-    speed_unit: str,
-) -> SteadyResponse:
-    """Peaks of the periodic motion of the linear equations over the quasi-static peaks.
-
-    Parameters
-    ----------
-    engine : Engine
-    crank_speeds : ndarray, shape (R,)
-        rad/s, not zero.
-    prestress : {"none", "axial", "equilibrium"}
-    report : callable
-        Called with 1 after each speed.
-    speed_unit : str
-        In which reasons speak of crank speeds.
-
-    Returns
-    -------
-    SteadyResponse
-        Without the speeds that have no periodic motion, as a critical one without damping.
-    """
-    highest = highest_frequency(engine, RESPONSE_MODES)
-    found, ratios, left_out = [], [], {}
-    for speed in crank_speeds.tolist():
-        try:
-            linkage = vibrating_linkage(engine, speed, RESPONSE_MODES, prestress)
-            moving, still = periodic_peaks(linkage, highest), quasi_static_peaks(linkage)
-        except ComputationError as error:
-            logger.info("no periodic motion at %g rad/s: %s", speed, error)
-            left_out[speed] = error.told(speed_unit)
-        else:
-            found.append(speed)
-            # A link that no load bends has no ratio; it does not vibrate either.
-            ratios.append(np.where(still > 0, moving / np.where(still > 0, still, 1.0), 1.0))
-        report(1)
-    links = len(engine.mechanism.linkage.topology.link_names)
-    return SteadyResponse(
-        np.array(found, dtype=float), np.array(ratios, dtype=float).reshape(-1, links), left_out
-    )

@@ -12,13 +12,14 @@ from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.campbell import answer as answers
 from flexmech.analyses.campbell import words
-from flexmech.analyses.datasets import Columns, columns_along, table_of, terms_column
+from flexmech.analyses.datasets import table_of, terms_column
 from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -49,8 +50,7 @@ class CampbellDiagram(Result):
     dataset : xarray.Dataset
         ``lowest_frequency``, ``mean_frequency`` and ``highest_frequency`` in Hz over (engine,
         crank_speed, branch), not a number where there is no solution; ``critical_...`` over
-        ``critical`` and ``gap_...`` over ``gap``; ``peak_ratio`` over (response_speed, link)
-        where the periodic motion was asked for.
+        ``critical`` and ``gap_...`` over ``gap``.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -61,7 +61,6 @@ class CampbellDiagram(Result):
     files = (
         "campbell.csv",
         "critical_speeds.csv",
-        "response_peaks.csv",
         "campbell.nc",
         "campbell.png",
     )
@@ -92,21 +91,13 @@ class CampbellDiagram(Result):
         return table_of(self.dataset, ("critical",), columns)
 
     def tables(self) -> dict[str, pd.DataFrame]:
-        """``campbell``, ``critical_speeds``, and ``response_peaks`` if there are any."""
-        tables = {self.stem: self.bands(), "critical_speeds": self.critical_speeds()}
-        if "peak_ratio" in self.dataset:
-            ratio = self.dataset["peak_ratio"]
-            columns: Columns = {
-                "crank_speed_rad_s": "response_speed",
-                **columns_along("{}_peak_over_quasi_static", ratio, "link"),
-            }
-            tables["response_peaks"] = table_of(self.dataset, ("response_speed",), columns)
-        return tables
+        """``campbell`` and ``critical_speeds``."""
+        return {self.stem: self.bands(), "critical_speeds": self.critical_speeds()}
 
     def plot(
         self,
         *,
-        ax: plots.AxesLike | None = None,
+        ax: Axes | None = None,
         branches: int | Sequence[int] | None = None,
         orders: int | Sequence[int] | None = None,
     ) -> Figure:
@@ -114,8 +105,7 @@ class CampbellDiagram(Result):
 
         Parameters
         ----------
-        ax : matplotlib.axes.Axes or sequence of them, optional
-            One; two where there are peaks of the periodic motion.
+        ax : matplotlib.axes.Axes, optional
         branches, orders : int or sequence of int, optional
             These alone.
 
@@ -145,7 +135,6 @@ class CampbellDiagram(Result):
             *filter(None, [plots.terms_text(data)]),
             *theory_lines(data.attrs),
             *words.error_lines(data),
-            *words.response_lines(data),
             *str(data.attrs.get("environment_lines", "")).splitlines(),
             words.verdict(data),
         )

@@ -114,28 +114,6 @@ def disagreement(dataset: xr.Dataset, *, warned: bool) -> list[str]:
     return [f"{verdict(dataset)}; ask for more --elements, or a smaller --tolerance"]
 
 
-def response_lines(dataset: xr.Dataset) -> list[str]:
-    """Speeds of the periodic motion, and where its peaks are highest."""
-    if "peak_ratio" not in dataset:
-        return []
-    unit, ratio = speed_unit(dataset), dataset["peak_ratio"]
-    speeds = from_si(1.0, unit) * ratio["response_speed"].values
-    lines = [f"periodic motion: at {len(speeds)} speeds"]
-    if len(speeds):
-        lines[0] += f" from {speeds[0]:.6g} to {speeds[-1]:.6g} {unit}, by the first engine"
-        for link in ratio["link"].values:
-            along = ratio.sel(link=link).values
-            place = int(np.argmax(along))
-            lines.append(
-                f"{link}: peak at most {along[place]:.3g} times the quasi-static one, at "
-                f"{speeds[place]:.6g} {unit}"
-            )
-    reasons = str(dataset.attrs.get("without_periodic_motion", "")).splitlines()
-    if reasons:
-        lines.append(f"without periodic motion: {len(reasons)} speeds, first {reasons[0]}")
-    return lines
-
-
 def verdict(dataset: xr.Dataset) -> str:
     """How far two engines' bands differ; or that only one ran."""
     names = [str(name) for name in dataset["engine"].values]

@@ -12,13 +12,13 @@ import xarray as xr
 from flexmech.analyses.check.in_short import linkage_in_short
 from flexmech.analyses.check.remarks import USUAL_TRANSMISSION_ANGLE, remarks
 from flexmech.analyses.check.result import ModelCheck
+from flexmech.analyses.check.sections import LINK_PROPERTIES, section_properties
 from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.frequencies.discretisation import mesh_error
 from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.requests import engine_of
-from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, section_properties
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
 from flexmech.errors import ComputationError, InputError

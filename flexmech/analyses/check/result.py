@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from flexmech import plots
+from flexmech.analyses.check.sections import LINK_PROPERTIES, PROPERTIES
 from flexmech.analyses.digits import Quantity, plain, rounded
 from flexmech.analyses.result import Result
-from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, PROPERTIES
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.trust import trust_line
 from flexmech.arrays import ROUND_OFF

@@ -1,12 +1,15 @@
-"""What a hammer test is asked for: where it hits and looks, and how it records."""
+"""What a hammer test is asked for, at a locked crank or a running one."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.analyses.crank_speeds import one_rad_per_s
+from flexmech.analyses.damping_ratios import DAMPING_RATIO
 from flexmech.analyses.requests import check_list, in_radians
 from flexmech.arrays import FloatArray
 from flexmech.choices import (
@@ -35,6 +38,8 @@ from flexmech.validation import (
 _MIDDLE = LinkPoint("coupler", 0.5)
 # Noise falls by the root of their number: more are taken for a slip of the keyboard.
 _MOST_AVERAGES = 1000
+# Orders to either side beyond which a crank of any speed answers nothing that can be measured.
+_MOST_ORDERS = 20
 
 
 @dataclass(frozen=True)
@@ -103,7 +108,11 @@ class HammerRequest:
         angles = np.atleast_1d(in_radians("crank_angles", self.crank_angles))
         check_list("crank_angles", angles, increasing=True)
         object.__setattr__(self, "crank_angles", angles)
-        check_impacts(self)
+        _check_points(self)
+        check_fields(self, {"pulse": "s"}, POSITIVE, optional=True)
+        check_count(self.averages, "averages", most=_MOST_AVERAGES)
+        check_count(self.seed, "seed", 0, most=MOST_SEED)
+        check_number(self.noise, "noise", bounds=NOT_NEGATIVE)
         check_count(self.modes, "modes", most=MOST_MODES)
         if self.grid is not None:
             check_count(self.grid, "grid", 2, "points a link")
@@ -119,33 +128,86 @@ class HammerRequest:
         return np.asarray(self.crank_angles, dtype=float)
 
 
+@dataclass(frozen=True)
+class RunningHammerRequest:
+    """What a force on the linkage at a constant crank speed is asked to answer.
+
+    Parameters
+    ----------
+    crank_speed : float
+        In ``speed_unit``, not zero.
+    impact, response : LinkPoint
+        Where the force acts, and where the displacement is read; the middle of the coupler.
+    direction : {"transverse", "axial"}
+        Of both, in the axes of their links' rigid frames.
+    prestress : {"none", "axial", "equilibrium"}
+        Stress of the running links.
+    damping_ratio : float, optional
+        Z from 0 on and less than 1: the Kelvin-Voigt time of all links is 2 Z/omega_1, with the
+        first natural frequency at rest averaged over the turn. Left out: the model's damping.
+    orders : int
+        N: harmonic transfer functions of the orders -N to N are asked for.
+    bandwidth : float, optional
+        Highest frequency of the force in Hz. Left out: twice the first natural frequency at
+        rest, averaged over the turn.
+    duration : float, optional
+        Of a record in s, made longer to a whole number of turns: one over the distance of two
+        frequencies. Left out: until an impact has decayed to 1e-4.
+    speed_unit : str, optional
+        Unit of the crank speed, such as ``"rpm"``, in which results speak of it. Left out: rad/s.
+
+    Raises
+    ------
+    InputError
+        If a value is impossible.
+
+    Examples
+    --------
+    >>> point = flexmech.LinkPoint.parse("coupler:0.5")
+    >>> flexmech.RunningHammerRequest(20.0, point, point, damping_ratio=0.005).orders
+    2
+    """
+
+    crank_speed: float
+    impact: LinkPoint = _MIDDLE
+    response: LinkPoint = _MIDDLE
+    direction: LinkDirection = "transverse"
+    prestress: Prestress = "equilibrium"
+    damping_ratio: float | None = None
+    orders: int = 2
+    bandwidth: float | None = None
+    duration: float | None = None
+    speed_unit: str | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        _ = self.speed
+        if self.crank_speed == 0:
+            raise InputError(
+                "crank_speed is zero, at which nothing turns; ask for a hammer test at rest "
+                "(flexmech.hammer_test, or flexmech hammer without --running)"
+            )
+        _check_points(self)
+        if self.damping_ratio is not None:
+            check_number(self.damping_ratio, "damping_ratio", bounds=DAMPING_RATIO)
+        check_count(self.orders, "orders", most=_MOST_ORDERS)
+
+    @cached_property
+    def speed(self) -> float:
+        """Crank speed in rad/s."""
+        return one_rad_per_s(self.crank_speed, self.speed_unit)
+
+
 def middle_of(topology: Topology) -> LinkPoint:
     """Middle of the coupler, or of the last link where there is none: where a hammer hits."""
     names = topology.link_names
     return _MIDDLE if _MIDDLE.link in names else LinkPoint(names[-1], _MIDDLE.fraction)
 
 
-def check_impacts(request: object) -> None:
-    """Refuse points, directions, records and noise that no hammer test can have.
-
-    Parameters
-    ----------
-    request : HammerRequest or RunningHammerRequest
-
-    Raises
-    ------
-    InputError
-    """
-    asked = vars(request)
+def _check_points(request: HammerRequest | RunningHammerRequest) -> None:
+    """Refuse points, directions, levels of prestress and bands that are none."""
     for name in ("impact", "response"):
-        check_instance(
-            asked[name], LinkPoint, name, "write flexmech.LinkPoint.parse('coupler:0.5')"
-        )
-    check_choice(asked["direction"], LINK_DIRECTIONS, "direction")
-    check_choice(asked["prestress"], PRESTRESS_LEVELS, "prestress")
-    check_count(asked["averages"], "averages", most=_MOST_AVERAGES)
-    check_count(asked["seed"], "seed", 0, most=MOST_SEED)
-    check_fields(
-        request, {"bandwidth": "Hz", "duration": "s", "pulse": "s"}, POSITIVE, optional=True
-    )
-    check_number(asked["noise"], "noise", bounds=NOT_NEGATIVE)
+        point = getattr(request, name)
+        check_instance(point, LinkPoint, name, "write flexmech.LinkPoint.parse('coupler:0.5')")
+    check_choice(request.direction, LINK_DIRECTIONS, "direction")
+    check_choice(request.prestress, PRESTRESS_LEVELS, "prestress")
+    check_fields(request, {"bandwidth": "Hz", "duration": "s"}, POSITIVE, optional=True)

@@ -26,7 +26,6 @@ from flexmech.measured_data import (
     UffFunction,
     UffMode,
     UffNodes,
-    UffTrace,
 )
 
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
@@ -117,12 +116,6 @@ class _Nodes:
                 frame.append(link + 1)
         return UffNodes(np.array(label), np.array(position), np.array(frame))
 
-    def traces(self) -> tuple[UffTrace, ...]:
-        return tuple(
-            UffTrace(name, tuple(self.label(LinkPoint(name, each)) for each in own))
-            for name, own in self.fractions.items()
-        )
-
     def towards(self, point: LinkPoint) -> FloatArray:
         """The test's direction at a point, along the global axes, (3,)."""
         angle = self.angle[self.names.index(point.link)]
@@ -144,7 +137,6 @@ def _one_angle(one: xr.Dataset, degrees: str) -> UffFile:
         program=f"flexmech {of.get('flexmech_version', '')}".strip(),
         nodes=nodes.nodes(),
         frames=nodes.frames(),
-        traces=nodes.traces(),
         functions=tuple(_functions(one, nodes, impact, response, grid)),
         modes=tuple(_modes(one, nodes, response, grid)),
     )

@@ -21,7 +21,6 @@ from flexmech.analyses.datasets import with_units
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import Engines, engines_of
 from flexmech.analyses.response.measurements import deflections
-from flexmech.analyses.speed_sweep.compute import vibrating_linkage
 from flexmech.analyses.stability.against import Against, map_against
 from flexmech.analyses.stability.dataset import dataset_of
 from flexmech.analyses.stability.engine_map import map_engine
@@ -33,9 +32,10 @@ from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, Prestress, S
 from flexmech.errors import ComputationError, InputError
 from flexmech.interruption import tidying
 from flexmech.linear_system import Engine, is_constant_turn, stressed_along_turn
-from flexmech.linkages import refuse_passing
+from flexmech.linkages import ConstantSpeed, refuse_passing
 from flexmech.threads import one_thread
 from flexmech.time_domain import (
+    DrivenLinkage,
     SampledTurn,
     periodic_turn,
     quasi_static_turn,
@@ -48,6 +48,8 @@ logger = logging.getLogger(__name__)
 MOST_SPEEDS = 9
 # Steps a turn of the linear periodic motion, whose distance from the equilibrium is a percentage.
 MOTION_STEPS = 720
+# It shakes the lowest modes alone: fewer component modes than a start at speed.
+MOTION_DETAIL = 2.0
 # Every 10 deg: the bands stand beside the multipliers as a picture, without errors.
 ANGLES = 36
 
@@ -112,7 +114,12 @@ def _motion_distance(engine: Engine, request: StabilityRequest) -> float:
     prescribed = engine.with_(shaft="prescribed") if engine.shaft == "free" else engine
     try:
         require_periodic_motion(engine)
-        linkage = vibrating_linkage(prescribed, speed, request.modes, "equilibrium")
+        linkage = DrivenLinkage(
+            *(prescribed, ConstantSpeed(speed), "equilibrium"),
+            modes=request.modes,
+            detail=MOTION_DETAIL,
+            with_energy=False,
+        )
         moved, still = (
             deflections(prescribed, turn(linkage, MOTION_STEPS))
             for turn in (periodic_turn, quasi_static_turn)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexmech.analyses import CrankRockerSynthesis, SpeedSweep
+from flexmech.analyses import CrankRockerSynthesis
 from flexmech.report.panel import Panel, PanelMaker, further_lines, panel_of
 from flexmech.report.panels.balance import balance_panel
 from flexmech.report.panels.designs import optimum_panel, sweep_panel, uncertainty_panel
@@ -26,7 +26,7 @@ __all__ = ["PANELS", "panels_of"]
 
 def other_panel(results: Results) -> Panel | None:
     """Summaries of results that have no panel of their own, in tables and lines."""
-    found = [each for each in results.all if isinstance(each, SpeedSweep | CrankRockerSynthesis)]
+    found = [each for each in results.all if isinstance(each, CrankRockerSynthesis)]
     if not found:
         return None
     said = [each.summary() for each in found]

@@ -19,8 +19,7 @@ RECEPTANCES: tuple[tuple[str, panel.Look], ...] = (
 )
 FUNCTIONS: tuple[tuple[str, int | str, panel.Look, float], ...] = (
     ("frozen", "#737373", "dash", 1.2),
-    ("receptance", 1, "solid", 3.0),
-    ("predicted", 0, "solid", 1.4),
+    ("receptance", 0, "solid", 1.4),
 )
 # Angles whose curves are shown, each with a colour of its own; the table holds all.
 MOST_ANGLES = 6
@@ -82,7 +81,7 @@ def running_hammer_panel(result: RunningHammerTest, results: Results) -> panel.P
         tuple(panel.YAxis(f"order {signed(order)} (m/N)", logarithmic=True) for order in orders),
         tuple(traces),
         "Amplitude of the response at f and at multiples of the crank's frequency beside it, "
-        "over the frequency f of the force: identified, predicted, and of the frozen linkage",
+        "over the frequency f of the force, of the running linkage and of the frozen one",
         height=panel.FRAME_HEIGHT + 110 * len(orders),
     )
     of = {name: attrs[name] for name in ("response_point", "impact_point", "direction")}

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import ModelCheck, MoistureUptake, SectionProfiles
-from flexmech.analyses.section_profile.result import property_table
+from flexmech.analyses.check.section_profiles import property_table
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.plots.reading import names_of
 from flexmech.report.last_turn import thinning

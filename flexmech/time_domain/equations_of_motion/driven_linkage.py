@@ -448,36 +448,26 @@ class DrivenLinkage:
         full = inertia_loads(self.unreduced, motion, self.engine.mechanism.gravity)
         return [load @ basis for load, basis in zip(full, self.run_bases, strict=True)]
 
-    def step_forces(
-        self, time: FloatArray, pushed: Sequence[FloatArray] | None = None
-    ) -> FloatArray | None:
-        """Forces on all coordinates that are not interpolated: of loads over tables, and others.
+    def step_forces(self, time: FloatArray) -> FloatArray | None:
+        """Forces on all coordinates that are not interpolated, those of loads over tables.
 
         Parameters
         ----------
         time : ndarray, shape (m,)
             In s.
-        pushed : sequence of ndarray, shape (m, n_full), optional
-            The others, on the unreduced links in their frames.
 
         Returns
         -------
         ndarray, shape (m, size), or None
             Of condensed coordinates as well; None if there are none.
         """
-        if pushed is None and not self.connectors.has_tables:
+        if not self.connectors.has_tables:
             return None
         motion = self.motion(time)
         force = self.connectors.force(motion, time, smooth=False)
         if self.shaft is not None and not self.shaft.has_motor:
             force += self.shaft.force(motion, self.shaft.balance(motion, force))
-        if pushed is not None:
-            reduced = [f @ basis for f, basis in zip(pushed, self.run_bases, strict=True)]
-            force += self.frames.gather(motion, reduced)
-        force = np.pad(force, ((0, 0), (0, len(self.condensed) - self.frames.size)))
-        if pushed is not None and self.carried is not None:
-            force[:, -COORDINATES:] += self.carried.on_frame(motion, pushed)
-        return force
+        return np.pad(force, ((0, 0), (0, len(self.condensed) - self.frames.size)))
 
     def equations(
         self, time: FloatArray, *, frozen: bool = False, tables: bool = True

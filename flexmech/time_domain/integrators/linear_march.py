@@ -139,8 +139,6 @@ class LinearMarch:
     linkage : DrivenLinkage
     step : float
         In s.
-    pushed : bool
-        Whether runs take forces on the links besides those of the linkage.
 
     Attributes
     ----------
@@ -150,19 +148,13 @@ class LinearMarch:
 
     stride = 1
 
-    def __init__(self, linkage: DrivenLinkage, step: float, *, pushed: bool = False) -> None:
+    def __init__(self, linkage: DrivenLinkage, step: float) -> None:
         self._linkage, self._step = linkage, step
         # Not by a method of its own: what refers to itself is kept until memory is searched for it.
-        self._table = PositionTable(linkage, partial(_matrices, linkage, step, pushed))
-
-    def restart(self) -> None:
-        """Prepare for another run; nothing is kept between runs."""
+        self._table = PositionTable(linkage, partial(_matrices, linkage, step))
 
     def advance(
-        self,
-        time: FloatArray,
-        state: VibrationState,
-        pushed: Sequence[FloatArray] | None = None,
+        self, time: FloatArray, state: VibrationState
     ) -> tuple[VibrationState, StaticExpansion]:
         """Advance from the first of some times to the others, in parts that fit the cache.
 
@@ -172,8 +164,6 @@ class LinearMarch:
             In s, one step apart.
         state : VibrationState
             At the first of them, arrays of shape (n,), or (n, k) for k motions at once.
-        pushed : sequence of ndarray, shape (m + 1, n_full), optional
-            Forces on the reduced links in their frames at these times.
 
         Returns
         -------
@@ -182,7 +172,7 @@ class LinearMarch:
         StaticExpansion
             At the same times.
         """
-        acting = self._linkage.step_forces(time, pushed)
+        acting = self._linkage.step_forces(time)
         histories, expansions = [], []
         if self._linkage.is_condensed:
             expansions.append(self._operators(time, acting, slice(1))[-1])
@@ -219,15 +209,13 @@ class LinearMarch:
         return advance, forced, expansion
 
 
-def _matrices(
-    linkage: DrivenLinkage, step: float, pushed: bool, time: FloatArray
-) -> list[FloatArray]:
+def _matrices(linkage: DrivenLinkage, step: float, time: FloatArray) -> list[FloatArray]:
     """What the steps of :class:`LinearMarch` are made of, at times of shape (m,)."""
     equations = linkage.equations(time, tables=False)
     advance, response = step_matrices(equations, step)
     parts = [advance, (response @ equations.force[..., None])[..., 0]]
     if linkage.is_condensed:
         parts += [equations.expansion.matrix, equations.expansion.offset]
-    if pushed or linkage.connectors.has_tables:
+    if linkage.connectors.has_tables:
         parts += [response, equations.flexibility]
     return parts

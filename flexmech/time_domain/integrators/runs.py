@@ -1,4 +1,4 @@
-"""Runs of a driven linkage in time from a given start, with or without an impact.
+"""Runs of a driven linkage in time from a given start.
 
 Linear equations are integrated by the trapezoidal rule, those of links that stretch by the
 square of their slopes by Lobatto's method of fourth order: what a step of them costs is spent
@@ -8,18 +8,18 @@ displacements are those of an engine that simulates.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol, cast
 
 import numpy as np
 
-from flexmech.arrays import FloatArray, StepProgress, row_products
+from flexmech.arrays import FloatArray, StepProgress
 from flexmech.choices import Integrator, LinkDirection
-from flexmech.dynamical_systems import HalfSinePulse, VibrationState, initial_state
+from flexmech.dynamical_systems import VibrationState, initial_state
 from flexmech.dynamical_systems.lobatto import STAGES
 from flexmech.errors import ComputationError, InputError
-from flexmech.linear_system import COORDINATES, Engine, LinkPoint, displacement_row
+from flexmech.linear_system import Engine, LinkPoint
 from flexmech.linkages import Drive
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 from flexmech.time_domain.equations_of_motion.dynamics import LinkageDynamics
@@ -35,9 +35,7 @@ BLOCK_STEPS = 2048
 DIVERGED = 1e6
 
 
-def marching(
-    linkage: DrivenLinkage, step: float, *, pushed: bool = False
-) -> LinearMarch | StretchMarch:
+def marching(linkage: DrivenLinkage, step: float) -> LinearMarch | StretchMarch:
     """Time integration method for a linkage.
 
     Parameters
@@ -45,15 +43,13 @@ def marching(
     linkage : DrivenLinkage
     step : float
         Between recorded instants, in s.
-    pushed : bool
-        Whether runs take forces on the links besides those of the linkage.
 
     Returns
     -------
     LinearMarch or StretchMarch
     """
     if linkage.stretch is None:
-        return LinearMarch(linkage, step, pushed=pushed)
+        return LinearMarch(linkage, step)
     return StretchMarch(linkage, step)
 
 
@@ -163,11 +159,8 @@ def _blocks(
     start: tuple[FloatArray, FloatArray],
     step: float,
     steps: int,
-    pushed: Callable[[FloatArray], Sequence[FloatArray]] | None = None,
 ) -> Iterator[tuple[int, FloatArray, VibrationState, StaticExpansion]]:
     """Run from a position and velocity, block by block; each begins where the last one ends.
-
-    Besides the forces of the linkage those act that ``pushed`` gives at times, if it is given.
 
     Yields
     ------
@@ -194,7 +187,7 @@ def _blocks(
         done = min(first + BLOCK_STEPS, steps)
         time = step * np.arange(first, done + 1, dtype=float)
         with np.errstate(over="ignore", invalid="ignore"):
-            history, expansion = march.advance(time, state, pushed and pushed(time))
+            history, expansion = march.advance(time, state)
         _refuse_divergence(linkage, time, history)
         yield done, time, history, expansion
         state = history[-1]
@@ -213,93 +206,6 @@ def _refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: Vibrat
         f"crank angle {angle:.6g} deg, displacements exceed any linkage; the linearized motion "
         "is unstable at this crank speed: lower it, or add the prestress that stiffens the links"
     )
-
-
-class LinkageUnderImpact:
-    """A driven linkage with an impact at one point and a response at another.
-
-    What the time steps of a turn need is solved once, for all runs.
-
-    Parameters
-    ----------
-    linkage : DrivenLinkage
-        At constant crank speed.
-    step : float
-        In s.
-    hit, seen : LinkPoint
-        Where the impacts act, and where the displacement is read.
-    direction : {"transverse", "axial"}
-        Of both, in the axes of their links' frames.
-
-    Raises
-    ------
-    InputError
-        If the linkage has no such link, or its shaft is free.
-    """
-
-    def __init__(
-        self,
-        linkage: DrivenLinkage,
-        step: float,
-        hit: LinkPoint,
-        seen: LinkPoint,
-        direction: LinkDirection,
-    ) -> None:
-        linkage.engine.require_prescribed_shaft("a run with impacts")
-        self._linkage, self._step = linkage, step
-        topology = linkage.frames.topology
-        struck, self._place = hit.index(topology), seen.index(topology)
-        links = linkage.unreduced
-        self._load, self._reading = ([np.zeros(link.size) for link in links] for _ in range(2))
-        self._load[struck] = displacement_row(links[struck], hit.fraction, direction)
-        row = displacement_row(links[self._place], seen.fraction, direction)
-        self._reading[self._place], self._row = row, row @ linkage.run_bases[self._place]
-        self._march = marching(linkage, step, pushed=True)
-
-    def run(
-        self, start: VibrationState, steps: int, pulses: Sequence[HalfSinePulse] = ()
-    ) -> FloatArray:
-        """Displacement of the point at every step of a run.
-
-        Parameters
-        ----------
-        start : VibrationState
-            Position and velocity at time zero, (n,); the acceleration follows.
-        steps : int
-        pulses : sequence of HalfSinePulse
-            Which act besides the loads of the motion.
-
-        Returns
-        -------
-        ndarray, shape (steps + 1,)
-            In m, from the undeformed link on a frame that stands.
-
-        Raises
-        ------
-        ComputationError
-            If displacements grow beyond all bounds; names the time and the crank angle.
-        """
-        linkage, march = self._linkage, self._march
-        march.restart()
-        whole = march.stride * -(-steps // march.stride)
-        found = np.empty(whole + 1)
-        begin = start.position, start.velocity
-
-        def pushed(time: FloatArray) -> list[FloatArray]:
-            force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
-            return [np.outer(force, load) for load in self._load]
-
-        blocks = _blocks(linkage, march, begin, self._step, whole, pushed)
-        for done, time, history, expansion in blocks:
-            coordinates = expansion.expanded(history)
-            motion, now = linkage.motion(time), slice(done + 1 - len(time), done + 1)
-            found[now] = (
-                linkage.frames.link_motion(motion, *coordinates)[self._place][0] @ self._row
-            )
-            if linkage.carried is not None:
-                on_frame = linkage.carried.on_frame(motion, self._reading)
-                found[now] += row_products(on_frame, coordinates[0][:, -COORDINATES:])
-        return found[: steps + 1]
 
 
 class Simulator(Protocol):

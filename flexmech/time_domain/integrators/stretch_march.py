@@ -11,7 +11,6 @@ digits; where it does not, Newton's method takes the tangent of the bowed links.
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -87,18 +86,11 @@ class StretchMarch:
         solve = partial(_double_steps, linkage, step)
         self._table = PositionTable(linkage, solve, reach=step)
         self._stages = _Stages(linkage.stretch, linkage.size, 2 * step)
-        self.restart()
-
-    def restart(self) -> None:
-        """Prepare for another run: discard the state of the last one."""
         self._passes = 0
         self._last: FloatArray | None = None
 
     def advance(
-        self,
-        time: FloatArray,
-        state: VibrationState,
-        pushed: Sequence[FloatArray] | None = None,
+        self, time: FloatArray, state: VibrationState
     ) -> tuple[VibrationState, StaticExpansion]:
         """Advance from the first of some times to the others.
 
@@ -108,8 +100,6 @@ class StretchMarch:
             In s, one step apart.
         state : VibrationState
             At the first of them, arrays of shape (n,).
-        pushed : sequence of ndarray, shape (2 m + 1, n_full), optional
-            Forces on the reduced links in their frames at these times.
 
         Returns
         -------
@@ -124,7 +114,7 @@ class StretchMarch:
             If Newton's method does not converge in a step.
         """
         double = 2 * self._step
-        acting = self._linkage.step_forces(time, pushed)
+        acting = self._linkage.step_forces(time)
         history = np.empty((3, len(time), len(state.position)))
         history[:, 0] = state.position, double * state.velocity, double**2 * state.acceleration
         for first in range(0, len(time) - 1, STAGES * CACHED_STEPS):
@@ -236,8 +226,7 @@ class StretchMarch:
             else:
                 raise UnbalancedStepError(
                     "links that bow deeply have no balance in a time step of "
-                    f"{self._step:.4g} s; choose a smaller --step (of a hammer test: a wider "
-                    "--bandwidth)"
+                    f"{self._step:.4g} s; choose a smaller --step"
                 )
             known[number + 1, :3] = MARCH_ON[-1] @ now
 

@@ -1,1 +1,0 @@
-"""Hammer test on the running linkage: harmonic transfer functions, identified and predicted."""

@@ -1,1 +1,0 @@
-"""Steady-state deflection against crank speed, and critical speeds."""
