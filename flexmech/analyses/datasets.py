@@ -116,7 +116,7 @@ def table_of(
     ['crank', 'crank', 'rocker', 'rocker']
     """
     found = {
-        column: _column(dataset, column, of) if isinstance(of, str) else of
+        column: column_of(dataset, column, of) if isinstance(of, str) else of
         for column, of in columns.items()
     }
     arrays = xr.broadcast(*(column.drop_vars(column.coords) for column in found.values()))
@@ -132,8 +132,19 @@ def terms_column(dataset: xr.Dataset) -> Columns:
     return {} if counted == "on" else {"rotation_terms": xr.DataArray(counted)}
 
 
-def _column(dataset: xr.Dataset, column: str, name: str) -> xr.DataArray:
-    """Values of a variable in a column's unit."""
+def column_of(dataset: xr.Dataset, column: str, name: str) -> xr.DataArray:
+    """Values of a variable in a column's unit.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    column, name : str
+        Names of the column and of the variable.
+
+    Returns
+    -------
+    xarray.DataArray
+    """
     values = dataset[name]
     if not column.endswith("_deg"):
         return values

@@ -7,13 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.aspects.shaking import harmonic_values
 from flexmech.analyses.balance.compromise import inertia_loads
 from flexmech.analyses.balance.counterweights import Counterweight
 from flexmech.analyses.balance.elastic import ElasticShaking
 from flexmech.analyses.balance.peaks import rigid_peaks
 from flexmech.analyses.balance.request import BalanceRequest
 from flexmech.analyses.datasets import origin
-from flexmech.analyses.shaking import harmonic_variables
+from flexmech.analyses.schema import schema_of
 from flexmech.linkages.frame_forces import ShakingForce, shaft_axis
 from flexmech.mechanism import Mechanism
 
@@ -111,7 +112,7 @@ def _harmonics(mechanism: Mechanism, speed: float, request: BalanceRequest) -> x
     angles = first + _TURN * np.arange(_STEPS) / _STEPS
     loads = inertia_loads(mechanism, mechanism.linkage.motion(angles, speed), request.moment_point)
     found = ShakingForce(loads.force, loads.moment, (0.0, 0.0))
-    return xr.Dataset(harmonic_variables(found, angles))
+    return schema_of(__package__).dataset(harmonic_values(found, angles))
 
 
 def elastic_variables(found: Sequence[ElasticShaking]) -> xr.Dataset:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.analyses.coupler_path.result import CouplerPaths
 from flexmech.analyses.datasets import origin
-from flexmech.analyses.kinematics.extremes import extremes
+from flexmech.analyses.extremes import extremes
 from flexmech.analyses.remarks import environment_lines, state_name
 from flexmech.analyses.requests import environment_of, in_radians
 from flexmech.arrays import FloatArray

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.motor import last_turn, motor_variables
+from flexmech.analyses.aspects.motor import last_turn, motor_values
 from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.schema import schema_of
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
@@ -17,6 +18,8 @@ from flexmech.linkages import MotorRun
 from flexmech.linkages.motors.integrated_run import states_along
 from flexmech.mechanism import require_standing_frame, with_motor_run
 from flexmech.time_domain import Trajectory
+
+SCHEMA = schema_of(__package__)
 
 
 def with_motor(
@@ -89,7 +92,7 @@ def motor_of_run(refined: Trajectory, request: ResponseRequest, refinement: int)
     train = run.equation.train
     states = states_along(train, time, angle, speed, run.states(0.0))
     given = train.motor_output(speed, states)
-    found = motor_variables(run, given, train.rotor_speed(speed, states))
+    found = SCHEMA.dataset(motor_values(run, given, train.rotor_speed(speed, states)))
     mean, fluctuation = last_turn(angle, speed, time)
     return found.isel(time=slice(None, None, refinement)).assign(
         last_turn_speed=mean, last_turn_fluctuation=fluctuation

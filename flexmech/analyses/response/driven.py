@@ -5,18 +5,20 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.datasets import Columns, columns_along
+from flexmech.analyses.aspects.law import law_attributes, law_values
+from flexmech.analyses.aspects.motor import motor_attributes, settled_values
 from flexmech.analyses.digits import Quantity, rounded
-from flexmech.analyses.motor import motor_attributes, motor_columns, settled_variables
-from flexmech.analyses.remarks import speed_with_unit
 from flexmech.analyses.response.agreement import best_known, errors_of, quantities_of
 from flexmech.analyses.response.measurements import deflections, peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual import LEAST_SAMPLES, edges, rests
 from flexmech.analyses.response.standing_modes import StandingModes
+from flexmech.analyses.schema import schema_of
 from flexmech.linear_system import Engine
-from flexmech.linkages import ConstantSpeed, MotorRun, TableDrive
+from flexmech.linkages import ConstantSpeed, MotorRun
 from flexmech.time_domain import Trajectory
+
+SCHEMA = schema_of(__package__)
 
 
 def law_variables(engine: Engine, request: ResponseRequest) -> xr.Dataset:
@@ -35,19 +37,12 @@ def law_variables(engine: Engine, request: ResponseRequest) -> xr.Dataset:
     drive, time = request.drive, request.sample_time()
     if drive.is_constant:
         return xr.Dataset()
-    acceleration = drive.crank_acceleration(time)
-    found = xr.Dataset(
-        {
-            "crank_speed_over_time": ("time", drive.crank_speed(time)),
-            "crank_acceleration": ("time", acceleration),
-        }
-    )
     # Of a free shaft the driving torque is what the shaft is given, its inertia's share included.
-    if (inertia := engine.mechanism.shaft_inertia) and engine.shaft == "prescribed":
-        found["shaft_inertia_torque"] = "time", inertia * acceleration
-    if not isinstance(drive, MotorRun):
-        return found
-    return found.merge(settled_variables(drive, engine.mechanism))
+    inertia = engine.mechanism.shaft_inertia if engine.shaft == "prescribed" else 0.0
+    values = law_values(drive, time, inertia)
+    if isinstance(drive, MotorRun):
+        values |= settled_values(drive, engine.mechanism)
+    return SCHEMA.dataset(values)
 
 
 def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
@@ -65,9 +60,7 @@ def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
     drive = request.drive
     if isinstance(drive, ConstantSpeed) or drive.is_constant:
         return {"crank_speed": drive.speed}
-    told: dict[str, str | float] = {"crank_speed": drive.greatest_speed, "drive": drive.words}
-    if isinstance(drive, TableDrive):
-        told["drive_note"] = drive.spline_words
+    told = {"crank_speed": drive.greatest_speed, **law_attributes(drive)}
     if isinstance(drive, MotorRun):
         told |= motor_attributes(drive)
     return told | {"crank_speed_at_end": drive.speed}
@@ -157,33 +150,6 @@ def _residual(
     )
 
 
-def driven_columns(data: xr.Dataset) -> Columns:
-    """Columns of the law, the power and the residual vibration for the table of histories.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    dict
-        None of a run at constant speed.
-    """
-    if "driving_power" not in data:
-        return {}
-    columns: Columns = {
-        "crank_speed_rad_s": "crank_speed_over_time",
-        "crank_acceleration_rad_s2": "crank_acceleration",
-        "driving_power_W": "driving_power",
-    }
-    if "shaft_inertia_torque" in data:
-        columns["shaft_inertia_torque_Nm"] = "shaft_inertia_torque"
-    if "residual_envelope" in data:
-        columns |= columns_along("{}_residual_envelope_m", data["residual_envelope"], "link")
-    return columns | motor_columns(data)
-
-
 _NAMES = ("residual_amplitude", "residual_amplitude_at_end")
 _MM = 1e3
 
@@ -246,7 +212,7 @@ def residual_answer(data: xr.Dataset) -> tuple[str, ...]:
 
 
 def driven_lines(data: xr.Dataset) -> list[str]:
-    """The law, the power that it takes, and what rings after the stop.
+    """The power that a law takes, and what rings after the stop.
 
     Parameters
     ----------
@@ -261,30 +227,11 @@ def driven_lines(data: xr.Dataset) -> list[str]:
     if "driving_power" not in data:
         return []
     engines = [str(name) for name in data["engine"].values]
-    speed, acceleration = (
-        float(abs(data[name]).max()) for name in ("crank_speed_over_time", "crank_acceleration")
-    )
     powers = ", ".join(
         f"{rounded(float(one), 0.0, 5)} W ({name})"
         for one, name in zip(data["peak_driving_power"].values, engines, strict=True)
     )
-    lines = [
-        f"drive: {data.attrs.get('drive', 'run-up')}; crank speed up to "
-        f"{speed_with_unit(data, speed)}, its acceleration up to {acceleration:.5g} rad/s²",
-        f"peak driving power: {powers}",
-    ]
-    if note := data.attrs.get("drive_note"):
-        lines.append(str(note))
-    if "shaft_inertia_torque" in data:
-        added = data["driving_torque"] + data["shaft_inertia_torque"]
-        torque, power = (
-            float(abs(each).max()) for each in (added, added * data["crank_speed_over_time"])
-        )
-        own = float(abs(data["shaft_inertia_torque"]).max())
-        lines.append(
-            f"drive: the shaft's own inertia takes up to {own:.5g} N m besides the driving torque, "
-            f"together {torque:.5g} N m and {power:.5g} W"
-        )
+    lines = [f"peak driving power: {powers}"]
     if _NAMES[0] not in data:
         if not data.attrs.get("crank_speed_at_end", 1.0) and "shaft_rotation" not in data:
             lines.append("residual vibration: none is seen without a dwell; give one in the drive")

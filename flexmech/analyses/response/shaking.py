@@ -7,22 +7,24 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.digits import Quantity, rounded
-from flexmech.analyses.response.agreement import errors_of
-from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.shaking import (
-    harmonic_variables,
+from flexmech.analyses.aspects.shaking import (
+    harmonic_values,
     harmonics_line,
     point_text,
     shaking_of,
-    shaking_variables,
 )
+from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.response.agreement import errors_of
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.schema import schema_of
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import Moved
 from flexmech.linkages.frame_forces import ShakingForce, shaking_force
 from flexmech.time_domain import Trajectory
+
+SCHEMA = schema_of(__package__)
 
 
 def running_shaking(
@@ -98,14 +100,14 @@ def _shaft_torque(engine: Engine, time: FloatArray, request: ResponseRequest) ->
 def _labelled(
     found: ShakingForce, time: FloatArray, request: ResponseRequest, prefix: str = ""
 ) -> xr.Dataset:
-    variables = shaking_variables(found, "time", prefix)
+    values = {f"{prefix}shaking_force": found.force, f"{prefix}shaking_moment": found.moment}
     last = slice(-request.samples, None)
     whole = len(time) > request.samples and time[last][0] > request.drive.law_time
     if request.drive.turns_on and whole:
         turn = ShakingForce(found.force[last], found.moment[last], found.point)
         angle = request.drive.crank_angle(time[last])
-        variables |= harmonic_variables(turn, angle, prefix)
-    return xr.Dataset(variables)
+        values |= harmonic_values(turn, angle, prefix)
+    return SCHEMA.dataset(values, "time")
 
 
 def _moved(engine: Engine, trajectory: Trajectory, motion: RigidMotion) -> Moved:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.digits import Quantity, rounded
@@ -211,8 +210,8 @@ def _unresolved_text(data: xr.Dataset, modes: list[int]) -> str:
     )
 
 
-def move_table(data: xr.Dataset) -> pd.DataFrame:
-    """Amplitude of each mode after the stop over the time of a move.
+def amplitudes_over_move_time(data: xr.Dataset) -> xr.Dataset:
+    """Amplitude of each mode after the stop over the time of a move, for a table.
 
     Parameters
     ----------
@@ -221,32 +220,15 @@ def move_table(data: xr.Dataset) -> pd.DataFrame:
 
     Returns
     -------
-    pandas.DataFrame
-        One row for each law, time, way of computing and mode.
+    xarray.Dataset
+        ``amplitude_over_move_time`` over (computed_by, law, move_time, link, mode), by equations in
+        link frames and by engines, and ``whole_time`` until the stop, NaN where none is computed.
     """
-    parts = [_rows(data, data["move_amplitude"], "move_time", "equations in link frames")]
+    found = data["move_amplitude"].expand_dims(computed_by=["equations in link frames"])
     if "simulated_move_amplitude" in data:
-        for name in data["simulating_engine"].values:
-            own = data["simulated_move_amplitude"].sel(simulating_engine=name, drop=True)
-            parts.append(_rows(data, own, "simulated_move_time", str(name)))
-    return pd.concat(parts, ignore_index=True)
-
-
-def _rows(data: xr.Dataset, values: xr.DataArray, over: str, by: str) -> pd.DataFrame:
-    law, time, mode = np.meshgrid(
-        values["law"].values, values[over].values, values["mode"].values, indexing="ij"
-    )
-    whole = data["whole_move_time"].sel(move_time=values[over].values).values
-    frequency = data["move_frequency"].values
-    columns = {
-        "law": law.reshape(-1),
-        "computed_by": by,
-        "move_time_s": time.reshape(-1),
-        "whole_time_s": np.broadcast_to(whole[..., None], law.shape).reshape(-1),
-        "mode": mode.reshape(-1),
-        "frequency_Hz": np.broadcast_to(frequency, law.shape).reshape(-1),
-    }
-    for link in values["link"].values:
-        amplitude = values.sel(link=link, drop=True).transpose("law", over, "mode").values
-        columns[f"{link}_amplitude_m"] = amplitude.reshape(-1)
-    return pd.DataFrame(columns)
+        names = {"simulating_engine": "computed_by", "simulated_move_time": "move_time"}
+        simulated = data["simulated_move_amplitude"].rename(names)
+        found = xr.concat([found, simulated], "computed_by", join="outer")
+    known = found.notnull().any(["link", "mode"])
+    whole = data["whole_move_time"].where(known)
+    return xr.Dataset({"amplitude_over_move_time": found, "whole_time": whole})

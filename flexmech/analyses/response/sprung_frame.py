@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.datasets import DEGREES, Columns, columns_along
+from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity
 from flexmech.analyses.response.agreement import CAUSES, quantities_of
 from flexmech.arrays import FloatArray
@@ -256,20 +256,3 @@ def frame_lines(dataset: xr.Dataset) -> list[str]:
         "frame: on springs; the greatest shaking force on it is answered on the floor: "
         f"{', '.join(told)}; joint forces and the shaking force are in ground axes"
     ]
-
-
-def frame_columns(dataset: xr.Dataset) -> Columns:
-    """Columns of a table for a frame on springs; none where it stands.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a response.
-    """
-    if "frame_displacement" not in dataset:
-        return {}
-    return {
-        **columns_along("frame_{}_m", dataset["frame_displacement"], "component"),
-        "frame_rotation_deg": "frame_rotation",
-        **columns_along("floor_force_{}_N", dataset["floor_force"], "component"),
-    }
