@@ -126,6 +126,12 @@ def table_of(
     return pd.DataFrame(dict(zip(columns, unsigned, strict=True)))
 
 
+def with_terms(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with ``rotation_terms_counted``, where some are not."""
+    counted = str(dataset.attrs.get("rotation_terms", "on"))
+    return dataset if counted == "on" else dataset.assign(rotation_terms_counted=counted)
+
+
 def terms_column(dataset: xr.Dataset) -> Columns:
     """A column that tells the rotation terms counted, where some are not; else no column."""
     counted = str(dataset.attrs.get("rotation_terms", "on"))

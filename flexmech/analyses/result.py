@@ -81,6 +81,10 @@ class Result(ABC):
         """Tables by the name of their CSV file without its ending."""
         return self.schema().tables_of(self.tabulated())
 
+    def table(self, name: str) -> pd.DataFrame:
+        """The table of one CSV file of the schema, without its ending."""
+        return self.schema().table(name, self.tabulated())
+
     def pictures(self) -> list[str]:
         """Names of the pictures that there is data for."""
         pictures = self.schema().pictures.items()
@@ -90,8 +94,13 @@ class Result(ABC):
     def figures(self) -> dict[str, Figure]:
         """Every picture that there is data for, by the name of its file without its ending."""
         known = self.schema().pictures
-        drawn = {n: getattr(plots, known[n].draws)(self.dataset) for n in self.pictures()}
-        return drawn or {self.stem: self.plot()}
+        if not known:
+            return {self.stem: self.plot()}
+        draws = {name: known[name].draws for name in self.pictures()}
+        return {
+            name: getattr(plots, function)(self.dataset) if function else self.plot()
+            for name, function in draws.items()
+        }
 
     @abstractmethod
     def summary(self) -> Summary:

@@ -9,18 +9,21 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.datasets import Columns, column_of, columns_along, table_of
 
 _HOME = "flexmech.analyses"
+Values = dict[str, Any]
+"""Arrays by the names of their variables, over the dimensions that a schema declares."""
 EACH = re.compile(r"\{([\w ]+)\}")
 """In the name of a column: what stands there in turn."""
 _POSITION, _SINGLE = "position", "single"
@@ -79,12 +82,13 @@ class Picture:
     Parameters
     ----------
     draws : str
-        Function of :mod:`flexmech.plots` that draws it from the dataset.
+        Function of :mod:`flexmech.plots` that draws it from the dataset; empty of what the
+        result's own ``plot`` draws.
     needs : str
         Variable without which there is no such picture; empty where there always is one.
     """
 
-    draws: str
+    draws: str = ""
     needs: str = ""
 
 
@@ -114,7 +118,13 @@ class Schema:
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     when: Mapping[str, str] = field(default_factory=dict)
 
-    def dataset(self, values: Mapping[str, Any], position: str = "crank_angle") -> xr.Dataset:
+    def dataset(
+        self,
+        values: Values,
+        position: str = "crank_angle",
+        parts: Sequence[Values] = (),
+        along: str = "",
+    ) -> xr.Dataset:
         """The dataset of values by the names of their variables, labelled.
 
         Parameters
@@ -123,16 +133,30 @@ class Schema:
             Each over the dimensions that are declared.
         position : {"crank_angle", "time"}
             What the positions are over.
+        parts : sequence of mapping of str to array_like, optional
+            Further values, of one place along a dimension after the other, such as each engine.
+            Coordinates are those of the first.
+        along : str
+            This dimension, the first one of such variables.
 
         Returns
         -------
         xarray.Dataset
         """
-        # A coordinate of names, such as those of links, is declared nowhere.
-        known = {n: self.variables.get(n, Variable("", "", (n,), True)) for n in values}
-        over = {name: _at(position, one.over) for name, one in known.items()}
-        found = xr.Dataset({name: (over[name], value) for name, value in values.items()})
-        return self.labelled(found.set_coords([n for n, one in known.items() if one.coordinate]))
+        found: dict[str, tuple[tuple[str, ...], Any]] = {}
+        coordinates = []
+        first: Values = parts[0] if parts else {}
+        for name in [*values, *first]:
+            # A coordinate of names, such as those of links, is declared nowhere.
+            known = self.variables.get(name, Variable("", "", (name,), True))
+            over, array = _at(position, known.over), values.get(name, first.get(name))
+            if known.coordinate:
+                coordinates.append(name)
+            elif name in first:
+                over = (along, *(dim for dim in over if dim != along))
+                array = np.stack([np.asarray(part[name]) for part in parts])
+            found[name] = over, array
+        return self.labelled(xr.Dataset(found).set_coords(coordinates))
 
     def labelled(self, dataset: xr.Dataset) -> xr.Dataset:
         """The dataset, changed in place: its variables with their units and what they are."""

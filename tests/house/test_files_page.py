@@ -23,7 +23,8 @@ ANALYSES = sorted(
 def test_the_page_has_the_columns_of_the_schemas() -> None:
     """After a change of a schema: ``python docs/build.py --columns``."""
     page = PAGE.read_text(encoding="utf-8")
-    assert all(f"<!-- columns of {name} -->" in page for name in ANALYSES)
+    with_tables = [name for name in ANALYSES if schema_of(f"flexmech.analyses.{name}").tables]
+    assert all(f"<!-- columns of {name} -->" in page for name in with_tables)
     assert with_columns(page) == page
 
 
@@ -35,6 +36,6 @@ def test_what_a_schema_names_is_there(analysis: str) -> None:
         assert set(table.columns) <= set(schema.columns)
         assert not table.needs or table.needs in schema.variables
     for picture in schema.pictures.values():
-        assert callable(getattr(plots, picture.draws))
+        assert not picture.draws or callable(getattr(plots, picture.draws))
         assert not picture.needs or picture.needs in schema.variables
     assert set(schema.when) <= set(schema.columns) | set(schema.tables)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.schema import Values
 from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.linkages import InverseDynamics, continuous_angles
 from flexmech.linkages.frame_forces import ShakingForce, shaking_force
@@ -15,9 +14,6 @@ from flexmech.validation import check_pair
 
 MOST_ORDER = 10
 """Of harmonics: orders of the crank angle from zero to this one."""
-
-Values = dict[str, Any]
-"""Arrays by the names of their variables, over the dimensions that ``shaking.toml`` declares."""
 
 _PARTS = ("shaking_force", "shaking_moment")
 _MM = 1e3

@@ -24,7 +24,6 @@ from flexmech.analyses.datasets import (
     filled,
     provenance,
     records,
-    with_units,
 )
 from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
@@ -119,12 +118,16 @@ def dataset_of(
         dataset.attrs["without_periodic_motion"] = "\n".join(steady.left_out.values())
     angles = np.degrees(request.crank_angles)
     turn = "a turn" if request.full_turn else f"{angles[0]:.6g} to {angles[-1]:.6g} deg"
-    return with_units(dataset, "campbell").assign_attrs(
-        provenance(engines),
-        prestress=request.formulation.prestress,
-        rotation_terms=str(request.formulation.counted_terms),
-        speed_unit=request.shown_unit,
-        crank_angles=f"{turn}, {len(request.turn)} angles",
+    return (
+        CampbellDiagram.schema()
+        .labelled(dataset)
+        .assign_attrs(
+            provenance(engines),
+            prestress=request.formulation.prestress,
+            rotation_terms=str(request.formulation.counted_terms),
+            speed_unit=request.shown_unit,
+            crank_angles=f"{turn}, {len(request.turn)} angles",
+        )
     )
 
 

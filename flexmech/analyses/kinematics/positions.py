@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from flexmech.analyses.aspects.shaking import shaking_of
+from flexmech.analyses.schema import Values
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import (
@@ -22,9 +22,6 @@ from flexmech.linkages import (
 )
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
-
-Values = dict[str, Any]
-"""Arrays by the names of their variables, over the dimensions that the schema declares."""
 
 
 def values_of(

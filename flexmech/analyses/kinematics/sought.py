@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flexmech.analyses.extremes import extremes, mean_over_turns
-from flexmech.analyses.kinematics.positions import Values, values_of
-from flexmech.analyses.schema import schema_of
+from flexmech.analyses.kinematics.positions import values_of
+from flexmech.analyses.schema import Values, schema_of
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar, InverseDynamics, rocker_swing

@@ -7,11 +7,9 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import Columns, table_of
 from flexmech.analyses.digits import Quantity, percent, plain, rounded
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
@@ -19,11 +17,6 @@ from flexmech.units import ZERO_CELSIUS, from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-# Columns of the tables, and their variables; moisture as percentages besides.
-_PROFILE = {"link": "link", "time_s": "profile_time", "place_m": "place"}
-_LAWS = {name: name for name in ("uptake", "short_time_uptake", "shen_springer_uptake")}
 
 
 class MoistureUptake(Result):
@@ -48,24 +41,17 @@ class MoistureUptake(Result):
     stem = "moisture"
     subject = "moisture uptake"
     hallmark = "shen_springer_uptake"
-    files = ("moisture_profile.csv", "moisture_uptake.csv", "moisture.nc", "moisture.png")
     significant_digits = 8
     digits = dict.fromkeys(["time_s"], 10)
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """Profiles at some times, and the uptake over time with the laws beside it."""
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with moisture as percentages, and the root of time."""
         data = self.dataset
-        columns: Columns = {**_PROFILE, "moisture_percent": 100 * data["profile"]}
-        profile = table_of(data, ("link", "profile_time", "cell"), columns)
-        columns = {
-            "link": "link",
-            "time_s": "time",
-            "sqrt_time_sqrt_s": data["time"] ** 0.5,
-            "moisture_percent": 100 * data["moisture"],
-            **_LAWS,
-        }
-        uptake = table_of(data, ("link", "time"), columns)
-        return {"moisture_profile": profile.dropna(), "moisture_uptake": uptake}
+        return data.assign(
+            percent_in_cell=100 * data["profile"],
+            percent=100 * data["moisture"],
+            root_of_time=data["time"] ** 0.5,
+        )
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw profiles and uptake of each link, in axes of the user's (two a link) if given."""
