@@ -26,26 +26,12 @@ from flexmech.analyses.response.agreement import (
     within_errors,
 )
 from flexmech.analyses.response.dataset import needed
-from flexmech.analyses.response.driven import (
-    driven_lines,
-    residual_answer,
-    residual_numbers,
-)
-from flexmech.analyses.response.shaking import shaking_lines, shaking_numbers
-from flexmech.analyses.response.shaped_words import (
-    amplitudes_over_move_time,
-    shaped_answer,
-    shaped_lines,
-    shaped_numbers,
-)
-from flexmech.analyses.response.sprung_frame import (
-    frame_answer,
-    frame_lines,
-    frame_numbers,
-    rotation_warnings,
-)
+from flexmech.analyses.response.driven import residual_aspect
+from flexmech.analyses.response.shaking import shaking_aspect
+from flexmech.analyses.response.shaped_words import amplitudes_over_move_time, shaped_aspect
+from flexmech.analyses.response.sprung_frame import frame_aspect
 from flexmech.analyses.result import Result
-from flexmech.analyses.summary import Summary
+from flexmech.analyses.summary import Aspect, Summary
 from flexmech.arrays import ROUND_OFF, LabelledProgress, silent
 from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
@@ -291,55 +277,31 @@ class Response(Result):
     def summary(self) -> Summary:
         """How far links bend, what pins carry and the shaft needs; what that rests on."""
         data, peaks, agreement = self.dataset, self.peaks(), self.agreement()
-        motor = motor_aspect(data)
+        forces, start = self.force_agreement(), float(data["crank_angle"][0])
         title = f"peaks {drive_words(data.attrs)}, {data.attrs['mechanism']}"
         trusted = representative(agreement, data)
-        forces, shaped = self.force_agreement(), shaped_answer(data)
-        table = words.peak_table(
-            peaks, float(data["crank_angle"][0]), title, trusted, self._peak_errors()
+        bending = Aspect(
+            answers.answer(data),
+            (*theory_lines(data.attrs), *words.check_lines(data), *words.load_lines(peaks, data)),
+            answers.yielding(data),
+            answers.numbers(data),
         )
-        details = (
-            *theory_lines(data.attrs),
-            *words.check_lines(data),
-            *words.load_lines(peaks, data),
-            *law_aspect(data).details,
-            *driven_lines(data),
-            *motor.details,
-            *shaped_lines(data),
-            *shaking_lines(data),
-            *frame_lines(data),
-            *words.stress_lines(data),
-            *words.shaft_lines(data),
-            *words.spectrogram_lines(data),
-            *(line.said for line in force_agreement_lines(forces, data)),
-            *data.attrs["environment_lines"].splitlines(),
-            agreement_line(agreement, data).said,
-        )
-        return Summary(
-            (
-                *shaped,
-                *motor.answer,
-                *answers.answer(data),
-                *frame_answer(data),
-                *(() if shaped else residual_answer(data)),
+        known = Aspect(
+            details=(
+                *words.stress_lines(data),
+                *words.shaft_lines(data),
+                *words.spectrogram_lines(data),
+                *(line.said for line in force_agreement_lines(forces, data)),
+                *data.attrs["environment_lines"].splitlines(),
+                agreement_line(agreement, data).said,
             ),
-            table,
+            warnings=(*answers.disagreement(data, agreement, forces), *warnings_of(data.attrs)),
+        )
+        of_run = (shaking_aspect, frame_aspect, law_aspect, residual_aspect, shaped_aspect)
+        return Summary.of(
+            (bending, *(aspect(data) for aspect in of_run), motor_aspect(data), known),
+            words.peak_table(peaks, start, title, trusted, self._peak_errors()),
             answers.trust(data, agreement, forces),
-            details,
-            (
-                *answers.yielding(data),
-                *rotation_warnings(data),
-                *answers.disagreement(data, agreement, forces),
-                *warnings_of(data.attrs),
-            ),
-            (
-                *answers.numbers(data),
-                *shaking_numbers(data),
-                *frame_numbers(data),
-                *residual_numbers(data),
-                *shaped_numbers(data),
-                *motor.numbers,
-            ),
         )
 
     def _peak_errors(self) -> xr.Dataset:

@@ -9,6 +9,7 @@ from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.response.agreement import best_known, quantities_of
 from flexmech.analyses.response.driven import residual_numbers
 from flexmech.analyses.response.move_curves import TIMES_PER_PERIOD
+from flexmech.analyses.summary import Aspect
 from flexmech.model_text import quantity
 from flexmech.units import TIME
 
@@ -18,10 +19,8 @@ _NAME = "shaped_residual_amplitude"
 _TOLD = 0.02
 
 
-def shaped_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
-    """Residual amplitude of each link after the shaped law, and by how much it is longer.
-
-    Of the engine whose errors are the smaller; the difference of two engines is an error too.
+def shaped_aspect(data: xr.Dataset) -> Aspect:
+    """What a shaper leaves of the residual vibration, and how that goes with the time of a move.
 
     Parameters
     ----------
@@ -30,11 +29,18 @@ def shaped_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
 
     Returns
     -------
-    tuple of Quantity
-        None of a run without a shaper.
+    Aspect
+        Nothing of a run without a shaper and without times of a move.
     """
+    chart = _chart_lines(data) if "move_amplitude" in data else []
     if _NAME not in data:
-        return ()
+        return Aspect(details=tuple(chart))
+    numbers = _numbers(data)
+    return Aspect(_answer(data, numbers), (*_lines(data), *chart), numbers=numbers, leads=True)
+
+
+def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Residual amplitude of each link after the shaped law, and by how much it is longer."""
     errors = data["shaped_residual_error"]
     place, bent = best_known(errors), {"link": data["peak_deflection"].max("engine") > 0}
     found = [Quantity("shaper_delay", _MS * float(data.attrs["shaper_delay"]), "ms", 0.0)]
@@ -43,22 +49,9 @@ def shaped_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     return tuple(found)
 
 
-def shaped_answer(data: xr.Dataset) -> tuple[str, ...]:
-    """How far the link that rings most does after both laws, and by how much one is longer.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    tuple of str
-        None of a run without a shaper.
-    """
-    found = [one for one in shaped_numbers(data) if one.name == _NAME]
-    if not found:
-        return ()
+def _answer(data: xr.Dataset, numbers: tuple[Quantity, ...]) -> tuple[str, ...]:
+    """How far the link that rings most does after both laws, and by how much one is longer."""
+    found = [one for one in numbers if one.name == _NAME]
     plain = [one for one in residual_numbers(data) if one.name == "residual_amplitude"]
     before = max(plain, key=lambda one: one.value)
     after = next(one for one in found if one.of == before.of)
@@ -73,30 +66,12 @@ def shaped_answer(data: xr.Dataset) -> tuple[str, ...]:
     )
 
 
-def shaped_lines(data: xr.Dataset) -> list[str]:
-    """The shaper, how to state it in a model file, and what the shaped law does.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    list of str
-        None of a run without a shaper and without times of a move.
-    """
-    lines = list[str]()
-    if _NAME in data:
-        lines += [
-            f"{data.attrs['shaper']} for {data.attrs['shaper_modes']}",
-            _impulses(data),
-        ]
-        for name in map(str, data["engine"].values):
-            own = data.sel(engine=name)
-            lines += [_residual_line(own, name), _modes_line(own, name), _peaks_line(own, name)]
-    if "move_amplitude" in data:
-        lines += _chart_lines(data)
+def _lines(data: xr.Dataset) -> list[str]:
+    """The shaper, how to state it in a model file, and what the shaped law does."""
+    lines = [f"{data.attrs['shaper']} for {data.attrs['shaper_modes']}", _impulses(data)]
+    for name in map(str, data["engine"].values):
+        own = data.sel(engine=name)
+        lines += [_residual_line(own, name), _modes_line(own, name), _peaks_line(own, name)]
     return lines
 
 
