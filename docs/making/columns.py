@@ -1,13 +1,14 @@
-"""Tables of ``docs/files.md``: files and their columns, as the schemas of the results have them."""
+"""Columns of CSV files and variables of NetCDF files, as the schemas of the results have them."""
 
 from __future__ import annotations
 
 import re
+from importlib import resources
 from pathlib import Path
 
 from flexmech.analyses.schema import EACH, schema_of
 
-__all__ = ["PAGE", "with_columns"]
+__all__ = ["PAGE", "variable_page", "with_columns"]
 
 PAGE = Path(__file__).parents[1] / "files.md"
 # What stands between these two comments of the page is generated.
@@ -52,3 +53,28 @@ def _names(column: str) -> list[str]:
     if "{component}" in column:
         return [column.replace("{component}", axis) for axis in _AXES]
     return [EACH.sub(r"<\1>", column)]
+
+
+HEAD = """# Variables of NetCDF files
+
+What the dataset of each result holds, where there is such a thing: `result.dataset` in Python.
+Among the dimensions `position` is the crank angle, or the time under a law of motion. What several
+engines compute is over `engine` too, and with heat and moisture over `state`. The columns of CSV
+files stand in {doc}`../files`.
+
+"""
+
+
+def variable_page() -> str:
+    """Markdown of all variables: what they are over, their units, and what they are."""
+    folder = resources.files("flexmech.analyses")
+    analyses = sorted(one.name for one in folder.iterdir() if one.joinpath("schema.toml").is_file())
+    parts = [HEAD]
+    for analysis in analyses:
+        rows = [f"## `{analysis}`\n", "| variable | over | unit | what it is |", "|-|-|-|-|"]
+        rows += [
+            f"| `{name}` | {', '.join(one.over)} | {one.unit} | {one.long_name} |"
+            for name, one in schema_of(f"flexmech.analyses.{analysis}").variables.items()
+        ]
+        parts.append("\n".join(rows) + "\n\n")
+    return "".join(parts)

@@ -132,12 +132,6 @@ def with_terms(dataset: xr.Dataset) -> xr.Dataset:
     return dataset if counted == "on" else dataset.assign(rotation_terms_counted=counted)
 
 
-def terms_column(dataset: xr.Dataset) -> Columns:
-    """A column that tells the rotation terms counted, where some are not; else no column."""
-    counted = str(dataset.attrs.get("rotation_terms", "on"))
-    return {} if counted == "on" else {"rotation_terms": xr.DataArray(counted)}
-
-
 def column_of(dataset: xr.Dataset, column: str, name: str) -> xr.DataArray:
     """Values of a variable in a column's unit.
 

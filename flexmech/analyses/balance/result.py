@@ -22,14 +22,8 @@ class Balance(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        Over ``counterweight``, named by its link: ``counterweight_mass``, ``counterweight_radius``,
-        ``counterweight_angle``, ``counterweight_place`` (component) and ``counterweight_about``,
-        the joint about which the link rotates. Over ``state`` ("as given", "balanced"):
-        ``shaking_force`` (crank_angle, component) and ``shaking_moment`` (crank_angle) by the
-        inertia of rigid links, with their harmonics over ``order``; ``driving_torque``
-        (crank_angle), ``joint_force`` (crank_angle, joint, component), ``moving_mass``; of elastic
-        links in periodic motion ``elastic_shaking_force`` (elastic_angle, component),
-        ``elastic_shaking_moment`` (elastic_angle) and ``first_frequency``. The attribute
+        The variables of ``schema.toml``: counterweights over ``counterweight``, named by their
+        links; loads before and after over ``state`` ("as given", "balanced"). The attribute
         ``balanced_model`` is the model file with the counterweights.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.

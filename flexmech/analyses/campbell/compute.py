@@ -30,6 +30,7 @@ from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.remarks import environment_lines, left_out_attributes
 from flexmech.analyses.requests import Engines, as_many_modes, engines_of
 from flexmech.analyses.response.measurements import probes
+from flexmech.analyses.schema import Values
 from flexmech.analyses.speed_sweep.compute import (
     highest_frequency,
     periodic_peaks,
@@ -66,7 +67,6 @@ def dataset_of(
     """
     engines = [diagram.engine for diagram in diagrams]
     checked = np.unique(np.concatenate([each.checked_speeds for each in diagrams]))
-    over = ("engine", "crank_speed", "branch")
     mesh_error = filled(
         (len(diagrams), len(checked), request.formulation.modes),
         (
@@ -75,58 +75,50 @@ def dataset_of(
             for speed, error in zip(each.checked_speeds, each.mesh_error, strict=True)
         ),
     )
-    values = np.stack([each.sampled.values[each.places] for each in diagrams])
-    dataset = xr.Dataset(
-        {
-            "lowest_frequency": (over, values[:, :, 0]),
-            "mean_frequency": (over, values[:, :, 1]),
-            "highest_frequency": (over, values[:, :, 2]),
-            "solved": (over[:2], np.stack([_solved(each) for each in diagrams])),
-            "band_frequency": (
-                ("engine", "band_speed", "end", "branch"),
-                np.stack([each.sampled.values for each in diagrams]),
-            ),
-            "discretisation_error": (("engine", "check_speed", "branch"), mesh_error),
-            "fit_error": ("engine", [each.sampled.fit_error for each in diagrams]),
-            "projection_error": ("engine", [each.projection_error for each in diagrams]),
-            "crossing_error": ("engine", [each.crossing_error for each in diagrams]),
-        }
-        | records(
-            "critical",
-            [(each.engine, found) for each in diagrams for found in each.critical],
-            columns_of(CriticalSpeed),
-        )
-        | records(
-            "gap", [(each.engine, gap) for each in diagrams for gap in each.gaps], columns_of(Gap)
-        ),
-        coords={
-            **engine_coordinates(engines),
-            "crank_speed": request.crank_speeds,
-            "band_speed": diagrams[0].sampled.crank_speed,
-            "end": ["lowest", "mean", "highest"],
-            "check_speed": checked,
-            "branch": np.arange(1, request.formulation.modes + 1),
-            "order": request.orders,
-        },
-    )
+    bands = np.stack([each.sampled.values[each.places] for each in diagrams])
+    values: Values = {
+        "lowest_frequency": bands[:, :, 0],
+        "mean_frequency": bands[:, :, 1],
+        "highest_frequency": bands[:, :, 2],
+        "solved": np.stack([_solved(each) for each in diagrams]),
+        "band_frequency": np.stack([each.sampled.values for each in diagrams]),
+        "discretisation_error": mesh_error,
+        "fit_error": [each.sampled.fit_error for each in diagrams],
+        "projection_error": [each.projection_error for each in diagrams],
+        "crossing_error": [each.crossing_error for each in diagrams],
+        "crank_speed": request.crank_speeds,
+        "band_speed": diagrams[0].sampled.crank_speed,
+        "end": ["lowest", "mean", "highest"],
+        "check_speed": checked,
+        "branch": np.arange(1, request.formulation.modes + 1),
+        "order": request.orders,
+    }
+    without = {}
     if steady is not None:
-        dataset["peak_ratio"] = (("response_speed", "link"), steady.ratio)
-        links = list(engines[0].mechanism.linkage.topology.link_names)
-        dataset = dataset.assign_coords(
-            response_speed=steady.crank_speed, link=links, probe=("link", probes(engines[0]))
-        )
-        dataset.attrs["without_periodic_motion"] = "\n".join(steady.left_out.values())
+        values |= {
+            "peak_ratio": steady.ratio,
+            "response_speed": steady.crank_speed,
+            "link": list(engines[0].mechanism.linkage.topology.link_names),
+            "probe": probes(engines[0]),
+        }
+        without = {"without_periodic_motion": "\n".join(steady.left_out.values())}
+    critical = [(each.engine, found) for each in diagrams for found in each.critical]
+    gaps = [(each.engine, gap) for each in diagrams for gap in each.gaps]
+    lists = records("critical", critical, columns_of(CriticalSpeed))
+    lists |= records("gap", gaps, columns_of(Gap))
+    dataset = CampbellDiagram.schema().dataset(values).assign(lists)
     angles = np.degrees(request.crank_angles)
     turn = "a turn" if request.full_turn else f"{angles[0]:.6g} to {angles[-1]:.6g} deg"
     return (
         CampbellDiagram.schema()
-        .labelled(dataset)
+        .labelled(dataset.assign_coords(engine_coordinates(engines)))
         .assign_attrs(
             provenance(engines),
             prestress=request.formulation.prestress,
             rotation_terms=str(request.formulation.counted_terms),
             speed_unit=request.shown_unit,
             crank_angles=f"{turn}, {len(request.turn)} angles",
+            **without,
         )
     )
 

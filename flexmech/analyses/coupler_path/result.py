@@ -27,16 +27,10 @@ class CouplerPaths(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        Over ``state`` and ``crank_angle``: ``position`` of the point, ``pin_position`` of the
-        pins A and B, ``angle`` of coupler and rocker without jumps, and ``transmission_angle``
-        between them; of a point of another link than a four-bar's coupler, ``pin_position`` of its
-        ends and its own ``angle``, and neither transmission angles nor double points. Over
-        ``state``: ``transmission_angle_limit`` of the whole motion,
-        ``length`` between the pins of each member, ``coupler_point_distance`` from A, and
-        ``sextic_residual``, the greatest residual of the curve's equation. Of the whole curves:
-        ``double_point_position`` and ``double_point_crank_angle`` of both passages over
-        ``double_point``. ``close_up`` of every path around the loops of any, and the places that
-        are ``framed`` by it.
+        The variables of ``schema.toml``: over ``state`` and ``crank_angle`` the ``position`` of the
+        point, its link's pins and angle; of a four-bar's coupler also transmission angles, and
+        crossings and cusps over ``double_point``; ``close_up`` of every path around the loops of
+        any, and the places that are ``framed`` by it.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """

@@ -95,9 +95,6 @@ class Kinematics(Result):
     def summary(self) -> Summary:
         """Strokes, greatest forces and torque; what each place does and carries; all extremes."""
         data = self.dataset
-        if "least" not in data:
-            told = "this file is of an earlier version, which kept no extremes: compute anew"
-            return Summary((told,))
         found, warning = _found(data), str(data.attrs.get("warning", ""))
         extremes = (_extremes_table(data, found),)
         rigid = Aspect(

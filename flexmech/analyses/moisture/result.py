@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
 import xarray as xr
 
 from flexmech import plots
@@ -25,15 +24,10 @@ class MoistureUptake(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        Moisture ``profile`` of the resin (mass of water over its dry mass) over ``link``,
-        ``profile_time`` and ``cell``, at the ``place`` of each cell from the middle of the
-        thickness, a mean over the width where water enters through the sides too
-        (``over_width``). Over ``link`` and ``time``: mean ``moisture`` of the resin; ``water``
-        over the dry mass of the link; ``uptake``, the water over that in equilibrium, and beside
-        it ``short_time_uptake`` by the law of the root of time and ``shen_springer_uptake`` by
-        Shen & Springer's formula, not a number where they do not hold. ``time_to_share`` of the
-        equilibrium, and ``mass_balance_error`` over what the link can hold. Estimated errors:
-        ``uptake_error`` over ``time`` and ``time_to_share_error`` in s.
+        The variables of ``schema.toml``: over (link, time) water of resin and link, and beside the
+        uptake two laws that are not a number where they do not hold; profiles over
+        (link, profile_time, cell), a mean over the width where water enters through the sides too
+        (``over_width``).
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -59,7 +53,7 @@ class MoistureUptake(Result):
 
     def summary(self) -> Summary:
         """Water in the links at the end, how long they take to their equilibrium, and errors."""
-        data, attrs = _with_errors(self.dataset), self.dataset.attrs
+        data, attrs = self.dataset, self.dataset.attrs
         end, times = data.isel(time=-1), data["time_to_share"]
         rows = tuple(
             (
@@ -114,14 +108,6 @@ def _answer(data: xr.Dataset) -> Iterator[str]:
         f"{_time_to(data, slowest, _SATURATED)}; "
         f"water is then {_final(end, slowest)} of its dry mass."
     )
-
-
-def _with_errors(data: xr.Dataset) -> xr.Dataset:
-    """The dataset; results of before errors were estimated have errors that are not numbers."""
-    if "uptake_error" in data:
-        return data
-    unknown = {f"{name}_error": np.nan * data[name] for name in ("uptake", "time_to_share")}
-    return data.assign(unknown)
 
 
 def _link_at(values: xr.DataArray, pick: str) -> str:

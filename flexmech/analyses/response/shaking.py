@@ -141,10 +141,7 @@ def shaking_aspect(data: xr.Dataset) -> Aspect:
     Returns
     -------
     Aspect
-        Nothing of an earlier version's file.
     """
-    if "shaking_force" not in data:
-        return Aspect()
     return Aspect(details=tuple(_lines(data)), numbers=_numbers(data))
 
 

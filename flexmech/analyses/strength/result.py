@@ -26,16 +26,10 @@ class Strength(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        Over (engine, link, crank_angle, station): ``axial_force``, ``bending_moment`` and
-        ``shear_force`` at ``position`` (link, station). Over (engine, link, station, layer,
-        surface): ``load_factor``, the least over the turn, with ``worst_angle``,
-        ``failure_index`` and ``failure_mode`` there, and ``speed_factor``. Over (link, layer):
-        ``criterion``, ``ply`` and ``angle``. Over ``pin_check``, where joints state diameters:
-        ``pin_joint``, ``pin_mode``, ``pin_stress``, ``pin_load_factor`` and so on. Where materials
-        state their fatigue, at every place: ``stress_amplitude``, ``mean_stress``,
-        ``fatigue_load_factor``, ``turns_to_failure`` and so on. Over ``margin``, the weakest part
-        first: its ``margin_part``, ``margin_load_factor`` and so on. Links with fewer stations or
-        layers have NaN after them.
+        The variables of ``schema.toml``: internal forces along the links over the crank angle; over
+        (engine, link, station, layer, surface) the least factors over the turn; checks of pins over
+        ``pin_check``; parts over ``margin``, the weakest first. Links with fewer stations or layers
+        have NaN after them.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """

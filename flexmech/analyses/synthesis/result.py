@@ -24,10 +24,8 @@ class CrankRockerSynthesis(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        ``ratio`` of the lengths to the ground's over ``member``, and ``length`` where that of
-        the ground is given. Computed back from the lengths: ``transmission_angle`` over
-        ``crank_angle`` and its least and greatest value ``transmission_angle_limit``;
-        ``rocker_angle`` at crank angle zero, ``rocker_swing`` and ``time_ratio``.
+        The variables of ``schema.toml``: ``ratio`` of the lengths over ``member``, ``length`` where
+        that of the ground is given, and what is computed back from the lengths.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
