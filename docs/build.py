@@ -13,6 +13,7 @@ its models or the versions beneath it change; ``--fresh`` runs everything again.
 pages that are named, and writes the lines that their commands print today into the pages.
 ``--campaigns`` runs the scenarios that take too long for a build and keeps what they give in
 ``docs/kept/``. ``--pictures`` draws the pictures of ``docs/pictures/`` anew: a build compares them.
+``--columns`` writes the tables of ``docs/files.md`` as the schemas of the results have them.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 from making.blocks import block_failures  # noqa: E402
+from making.columns import PAGE, with_columns  # noqa: E402
 from making.gallery import CAMPAIGNS, keep_campaign  # noqa: E402
 from making.pages import run_everything  # noqa: E402
 from making.pictures import README, write_pictures  # noqa: E402
@@ -64,6 +66,7 @@ if __name__ == "__main__":
     )
     what.add_argument("--campaigns", action="store_true", help="run scenarios that take long")
     what.add_argument("--pictures", action="store_true", help="draw docs/pictures/ anew")
+    what.add_argument("--columns", action="store_true", help="write columns into docs/files.md")
     asked = parser.parse_args()
     if asked.sessions is not None:
         pages = [page for page in session_pages() if page.stem in asked.sessions]
@@ -76,5 +79,7 @@ if __name__ == "__main__":
         if failures := block_failures(README):
             sys.exit("\n".join(failures))
         write_pictures()
+    elif asked.columns:
+        PAGE.write_text(with_columns(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     else:
         sys.exit(build(fresh=asked.fresh))

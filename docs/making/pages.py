@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from making.blocks import block_failures, pages_with_blocks
+from making.columns import variable_page
 from making.commands import command_page
 from making.figures_of_the_papers import figures_page
 from making.gallery import gallery_pages, scenario_failures, scenario_names
@@ -79,6 +80,7 @@ def write_pages(folder: Path) -> None:
         "model_file.md": model_file_page(),
         "study_file.md": study_file_page(),
         "python.md": public_name_page(),
+        "variables.md": variable_page(),
         "verification.md": verification_page(folder),
         "figures_of_the_papers.md": figures_page(),
         **gallery_pages(folder / "gallery"),

@@ -116,7 +116,7 @@ def table_of(
     ['crank', 'crank', 'rocker', 'rocker']
     """
     found = {
-        column: _column(dataset, column, of) if isinstance(of, str) else of
+        column: column_of(dataset, column, of) if isinstance(of, str) else of
         for column, of in columns.items()
     }
     arrays = xr.broadcast(*(column.drop_vars(column.coords) for column in found.values()))
@@ -126,14 +126,25 @@ def table_of(
     return pd.DataFrame(dict(zip(columns, unsigned, strict=True)))
 
 
-def terms_column(dataset: xr.Dataset) -> Columns:
-    """A column that tells the rotation terms counted, where some are not; else no column."""
+def with_terms(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with ``rotation_terms_counted``, where some are not."""
     counted = str(dataset.attrs.get("rotation_terms", "on"))
-    return {} if counted == "on" else {"rotation_terms": xr.DataArray(counted)}
+    return dataset if counted == "on" else dataset.assign(rotation_terms_counted=counted)
 
 
-def _column(dataset: xr.Dataset, column: str, name: str) -> xr.DataArray:
-    """Values of a variable in a column's unit."""
+def column_of(dataset: xr.Dataset, column: str, name: str) -> xr.DataArray:
+    """Values of a variable in a column's unit.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    column, name : str
+        Names of the column and of the variable.
+
+    Returns
+    -------
+    xarray.DataArray
+    """
     values = dataset[name]
     if not column.endswith("_deg"):
         return values

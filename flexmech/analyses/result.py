@@ -21,6 +21,7 @@ from flexmech.analyses.netcdf import (
     read_netcdf,
     reported_as_damaged,
 )
+from flexmech.analyses.schema import Schema, schema_of
 from flexmech.analyses.summary import Summary
 from flexmech.choices import PAGE_WIDTHS, PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.errors import InputError
@@ -59,21 +60,47 @@ class Result(ABC):
     """What it is, in the title of its NetCDF file."""
     hallmark: ClassVar[str]
     """Variable that a result of this kind holds."""
-    files: ClassVar[tuple[str, ...]]
-    """Patterns of all files that such a result may write."""
+    files: ClassVar[tuple[str, ...]] = ()
+    """Patterns of files that such a result may write besides those of its schema."""
     significant_digits: ClassVar[int] = 10
     """Of the numbers in CSV files."""
     digits: ClassVar[Mapping[str, int]] = {}
     """Significant digits of columns that have others, in all tables or in one, as in
     ``"topology.x_m"``."""
 
-    @abstractmethod
+    @classmethod
+    def schema(cls) -> Schema:
+        """Variables, tables and pictures, as the folder of the analysis declares them."""
+        return schema_of(cls.__module__.rpartition(".")[0])
+
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with what tables have besides."""
+        return self.dataset
+
     def tables(self) -> dict[str, pd.DataFrame]:
         """Tables by the name of their CSV file without its ending."""
+        return self.schema().tables_of(self.tabulated())
+
+    def table(self, name: str) -> pd.DataFrame:
+        """The table of one CSV file of the schema, without its ending."""
+        return self.schema().table(name, self.tabulated())
+
+    def pictures(self) -> list[str]:
+        """Names of the pictures that there is data for."""
+        pictures = self.schema().pictures.items()
+        held = self.dataset.variables
+        return [name for name, one in pictures if not one.needs or one.needs in held]
 
     def figures(self) -> dict[str, Figure]:
         """Every picture that there is data for, by the name of its file without its ending."""
-        return {self.stem: self.plot()}
+        known = self.schema().pictures
+        if not known:
+            return {self.stem: self.plot()}
+        draws = {name: known[name].draws for name in self.pictures()}
+        return {
+            name: getattr(plots, function)(self.dataset) if function else self.plot()
+            for name, function in draws.items()
+        }
 
     @abstractmethod
     def summary(self) -> Summary:
@@ -110,8 +137,11 @@ class Result(ABC):
         -------
         tuple of str
         """
-        patterns: list[str] = []
-        for name in cls.files:
+        patterns, schema = list[str](), cls.schema()
+        tables = [f"{name}.csv" for name in schema.tables]
+        pictures = [f"{name}.png" for name in schema.pictures]
+        datasets = [f"{cls.stem}.nc"] if tables else []
+        for name in (*tables, *datasets, *pictures, *cls.files):
             stem, picture, _ = name.rpartition(".png")
             patterns += [f"{stem}.{each}" for each in formats] if picture else [name]
         return tuple(patterns)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -84,6 +85,25 @@ def _number(cell: str) -> float | str | None:
 
 
 @dataclass(frozen=True)
+class Aspect:
+    """What a result says of one thing, such as a motor: its share of a summary.
+
+    Parameters
+    ----------
+    answer, details, warnings, numbers : tuple
+        As those of a :class:`Summary`; all are empty where there is no such thing.
+    leads : bool
+        Whether its answer stands before those of the others.
+    """
+
+    answer: tuple[str, ...] = ()
+    details: tuple[Table | str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    numbers: tuple[Quantity, ...] = ()
+    leads: bool = False
+
+
+@dataclass(frozen=True)
 class Summary:
     """What a result says in words: the answer first, and all else on request.
 
@@ -109,6 +129,36 @@ class Summary:
     details: tuple[Table | str, ...] = ()
     warnings: tuple[str, ...] = ()
     numbers: tuple[Quantity, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        aspects: Sequence[Aspect],
+        table: Table | None = None,
+        trust: str = "",
+        most: int | None = None,
+    ) -> Summary:
+        """The summary of what a result says of one thing after the other.
+
+        Parameters
+        ----------
+        aspects : sequence of Aspect
+        table : Table, optional
+        trust : str
+        most : int, optional
+            Sentences of the answer at most: the last ones stay, and those of aspects that lead.
+        """
+        lead = [said for aspect in aspects if aspect.leads for said in aspect.answer]
+        others = [said for aspect in aspects if not aspect.leads for said in aspect.answer]
+        dropped = 0 if most is None else max(len(lead) + len(others) - most, 0)
+        return cls(
+            (*lead, *others[dropped:]),
+            table,
+            trust,
+            tuple(detail for aspect in aspects for detail in aspect.details),
+            tuple(warning for aspect in aspects for warning in aspect.warnings),
+            tuple(number for aspect in aspects for number in aspect.numbers),
+        )
 
     @property
     def first(self) -> tuple[Table | str, ...]:

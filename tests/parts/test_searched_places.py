@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmech.analyses.kinematics.extremes import with_steps
+from flexmech.analyses.extremes import with_steps
 from flexmech.analyses.strength.forces import cuts_of
 from tests.support.mechanisms import case
 

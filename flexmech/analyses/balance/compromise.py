@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import minimize
 
+from flexmech.analyses.aspects.shaking import shaking_of
 from flexmech.analyses.balance.counterweights import Counterweight
 from flexmech.analyses.balance.request import WEIGHED
-from flexmech.analyses.shaking import shaking_of
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import LinkMass, RigidMotion, inverse_dynamics

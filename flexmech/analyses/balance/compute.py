@@ -14,7 +14,6 @@ from flexmech.analyses.balance.model_file import balanced_text
 from flexmech.analyses.balance.peaks import elastic_peaks
 from flexmech.analyses.balance.request import WEIGHED, BalanceRequest
 from flexmech.analyses.balance.result import Balance
-from flexmech.analyses.datasets import with_units
 from flexmech.arrays import LabelledProgress, silent
 from flexmech.errors import FlexmechError, InputError
 from flexmech.linear_system import Engine, checked_mechanism
@@ -107,7 +106,7 @@ def balance(
             compat="no_conflicts",
             combine_attrs="override",
         )
-    return Balance(with_units(dataset, "balance"))
+    return Balance(Balance.schema().labelled(dataset))
 
 
 def counterweights(

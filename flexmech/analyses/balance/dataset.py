@@ -7,20 +7,21 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.aspects.shaking import harmonic_values
 from flexmech.analyses.balance.compromise import inertia_loads
 from flexmech.analyses.balance.counterweights import Counterweight
 from flexmech.analyses.balance.elastic import ElasticShaking
 from flexmech.analyses.balance.peaks import rigid_peaks
 from flexmech.analyses.balance.request import BalanceRequest
 from flexmech.analyses.datasets import origin
-from flexmech.analyses.shaking import harmonic_variables
+from flexmech.analyses.schema import Values, schema_of
 from flexmech.linkages.frame_forces import ShakingForce, shaft_axis
 from flexmech.mechanism import Mechanism
 
 STATES = ("as given", "balanced")
 """Of the linkage, along the dimension ``state``."""
 
-_ANGLE, _STATE = "crank_angle", "state"
+SCHEMA = schema_of(__package__)
 # Of a turn whose harmonics are told.
 _STEPS = 720
 _TURN = 2 * np.pi
@@ -42,29 +43,26 @@ def balance_dataset(
     -------
     xarray.Dataset
     """
-    given = states[0]
-    parts = [_state(each, request) for each in states]
-    names = xr.DataArray(list(STATES), dims=_STATE, name=_STATE)
-    dataset = xr.concat(parts, names, join="exact").assign_coords(
-        {
-            _ANGLE: request.crank_angles,
-            "component": ["x", "y"],
-            "joint": list(given.linkage.topology.joint_names),
-            "counterweight": [weight.link.name for weight in weights],
-        }
-    )
-    point = request.moment_point
+    given, point = states[0], request.moment_point
+    topology = given.linkage.topology
     if point is None:
-        topology = given.linkage.topology
         point = shaft_axis(topology, given.linkage.motion(request.crank_angles[:1]))
-    dataset = dataset.merge(rigid_peaks(states, request).assign_coords(state=list(STATES)))
-    over = "counterweight"
-    dataset["moment_point"] = "component", np.array(point)
-    dataset["counterweight_mass"] = over, [weight.mass for weight in weights]
-    dataset["counterweight_radius"] = over, [weight.radius for weight in weights]
-    dataset["counterweight_angle"] = over, [weight.angle for weight in weights]
-    dataset["counterweight_place"] = (over, "component"), [weight.place for weight in weights]
-    dataset["counterweight_about"] = over, [_joint_at(given, weight) for weight in weights]
+    values: Values = {
+        "state": list(STATES),
+        "crank_angle": request.crank_angles,
+        "component": ["x", "y"],
+        "joint": list(topology.joint_names),
+        "moment_point": np.array(point),
+        "counterweight": [weight.link.name for weight in weights],
+        "counterweight_mass": [weight.mass for weight in weights],
+        "counterweight_radius": [weight.radius for weight in weights],
+        "counterweight_angle": [weight.angle for weight in weights],
+        "counterweight_place": [weight.place for weight in weights],
+        "counterweight_about": [_joint_at(given, weight) for weight in weights],
+    }
+    parts = [_state(each, request) for each in states]
+    dataset = SCHEMA.dataset(values, parts=parts, along="state")
+    dataset = dataset.merge(rigid_peaks(states, request))
     return dataset.assign_attrs(
         {
             **origin(given),
@@ -83,35 +81,31 @@ def _joint_at(mechanism: Mechanism, weight: Counterweight) -> str:
     return next(joint for end, joint in fixed.items() if end.link == link.name)
 
 
-def _state(mechanism: Mechanism, request: BalanceRequest) -> xr.Dataset:
+def _state(mechanism: Mechanism, request: BalanceRequest) -> Values:
     """Loads of one state over the crank angles."""
     speed = request.speed_of(mechanism)
     motion = mechanism.linkage.motion(request.crank_angles, speed)
     loads = inertia_loads(mechanism, motion, request.moment_point)
     forces = mechanism.without_loads_over_time.inverse_dynamics(motion)
     joints = mechanism.linkage.topology.joint_names
-    joint_force = np.stack([forces.joint_force[name] for name in joints], axis=1)
-    dataset = xr.Dataset(
-        {
-            "shaking_force": ((_ANGLE, "component"), loads.force),
-            "shaking_moment": ((_ANGLE,), loads.moment),
-            "driving_torque": ((_ANGLE,), loads.torque),
-            "joint_force": ((_ANGLE, "joint", "component"), joint_force),
-            "moving_mass": sum(mass.moment(0) for mass in mechanism.link_masses_in_order),
-        }
-    )
-    return dataset.merge(_harmonics(mechanism, speed, request))
+    return {
+        "shaking_force": loads.force,
+        "shaking_moment": loads.moment,
+        "driving_torque": loads.torque,
+        "joint_force": np.stack([forces.joint_force[name] for name in joints], axis=1),
+        "moving_mass": sum(mass.moment(0) for mass in mechanism.link_masses_in_order),
+        **_harmonics(mechanism, speed, request),
+    }
 
 
-def _harmonics(mechanism: Mechanism, speed: float, request: BalanceRequest) -> xr.Dataset:
+def _harmonics(mechanism: Mechanism, speed: float, request: BalanceRequest) -> Values:
     """Harmonics of the shaking force, where the angles asked for span a turn."""
     first, last = request.crank_angles[[0, -1]].tolist()
     if last - first < _TURN * (1 - 1e-9):
-        return xr.Dataset()
+        return {}
     angles = first + _TURN * np.arange(_STEPS) / _STEPS
     loads = inertia_loads(mechanism, mechanism.linkage.motion(angles, speed), request.moment_point)
-    found = ShakingForce(loads.force, loads.moment, (0.0, 0.0))
-    return xr.Dataset(harmonic_variables(found, angles))
+    return harmonic_values(ShakingForce(loads.force, loads.moment, (0.0, 0.0)), angles)
 
 
 def elastic_variables(found: Sequence[ElasticShaking]) -> xr.Dataset:
@@ -126,19 +120,16 @@ def elastic_variables(found: Sequence[ElasticShaking]) -> xr.Dataset:
     -------
     xarray.Dataset
     """
-    over = "elastic_angle"
-    return xr.Dataset(
+    return SCHEMA.dataset(
         {
-            "elastic_shaking_force": (
-                (_STATE, over, "component"),
-                np.stack([each.force for each in found]),
-            ),
-            "elastic_shaking_moment": ((_STATE, over), np.stack([each.moment for each in found])),
-            "first_frequency": ((_STATE,), [each.first_frequency for each in found]),
-            "first_frequency_error": (
-                (_STATE,),
-                [each.first_frequency * each.frequency_error for each in found],
-            ),
-        },
-        coords={_STATE: list(STATES), over: found[0].crank_angle, "component": ["x", "y"]},
+            "elastic_shaking_force": np.stack([each.force for each in found]),
+            "elastic_shaking_moment": np.stack([each.moment for each in found]),
+            "first_frequency": [each.first_frequency for each in found],
+            "first_frequency_error": [
+                each.first_frequency * each.frequency_error for each in found
+            ],
+            "state": list(STATES),
+            "elastic_angle": found[0].crank_angle,
+            "component": ["x", "y"],
+        }
     )

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from flexmech.analyses.balance.compromise import inertia_loads
 from flexmech.analyses.balance.elastic import ElasticShaking
 from flexmech.analyses.balance.request import BalanceRequest
-from flexmech.analyses.kinematics.extremes import Peaks, greatest_between
+from flexmech.analyses.extremes import Peaks, greatest_between
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism

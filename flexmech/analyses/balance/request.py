@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from flexmech.analyses.aspects.shaking import checked_point
 from flexmech.analyses.crank_speeds import RAD_S, one_rad_per_s
 from flexmech.analyses.requests import check_list, in_radians
-from flexmech.analyses.shaking import checked_point
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.frame_forces import OneCouplerLinkage

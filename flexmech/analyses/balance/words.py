@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from flexmech.analyses.aspects.shaking import harmonics_line, point_text
 from flexmech.analyses.balance.peaks import JOINT_FORCE
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity, percent, plain
 from flexmech.analyses.remarks import crank_speed_text
-from flexmech.analyses.shaking import harmonics_line, point_text
 from flexmech.analyses.summary import Row, Summary, Table
 from flexmech.arrays import ROUND_OFF
 
@@ -84,7 +84,7 @@ def summary_of(data: xr.Dataset) -> Summary:
         table,
         _trust(data),
         tuple(_details(data)),
-        _warnings(changes),
+        (*_heavy_warnings(changes), *_elastic_warnings(changes)),
         _numbers(data, changes),
     )
 
@@ -152,8 +152,7 @@ def _changes(data: xr.Dataset) -> list[_Change]:
             _peak(data, "elastic_shaking_moment", "shaking moment, elastic links", "N m"),
         ]
     found.append(_peak(data, "driving_torque", "driving torque", "N m"))
-    joints = _joint_changes(data)
-    found += [one._replace(name=f"joint_force_{one.what[len(_AT) :]}") for one in joints]
+    found += _joint_changes(data)
     masses = (_GRAM * data["moving_mass"]).values.tolist()
     found.append(_Change("moving_mass", "moving mass", "g", *masses))
     if "first_frequency" in data:
@@ -163,36 +162,18 @@ def _changes(data: xr.Dataset) -> list[_Change]:
 
 
 def _joint_changes(data: xr.Dataset) -> list[_Change]:
-    found = []
-    for joint in data["joint"].values.astype(str).tolist():
-        peaks = _peaks(data, f"{JOINT_FORCE}{joint}")
-        if peaks is None:
-            size = np.linalg.norm(data["joint_force"].sel(joint=joint).values, axis=-1)
-            peaks = size.max(axis=-1).tolist()
-        found.append(_Change("joint_force", f"{_AT}{joint}", "N", *peaks))
-    return found
+    return [
+        _peak(data, f"{JOINT_FORCE}{joint}", f"{_AT}{joint}", "N")
+        for joint in data["joint"].values.astype(str).tolist()
+    ]
 
 
 def _peak(data: xr.Dataset, name: str, what: str, unit: str) -> _Change:
-    peaks = _peaks(data, name)
-    if peaks is None:
-        values = data[name].transpose("state", ...).values
-        if "component" in data[name].dims:
-            values = np.linalg.norm(values, axis=-1)
-        peaks = np.abs(values).max(axis=-1).tolist()
-    return _Change(name, what, unit, *peaks)
-
-
-def _peaks(data: xr.Dataset, name: str) -> list[float] | None:
-    """Greatest values of both states; None where they were not sought, as in earlier versions."""
-    if "greatest" not in data or name not in data["quantity"].values:
-        return None
-    return [float(value) for value in data["greatest"].sel(quantity=name).values]
+    """Greatest values of both states."""
+    return _Change(name, what, unit, *data["greatest"].sel(quantity=name).values.tolist())
 
 
 def _trust(data: xr.Dataset) -> str:
-    if "greatest" not in data:
-        return "peaks are those at the crank angles asked for, of rigid links"
     names = data["quantity"].values.astype(str)
     elastic = np.char.startswith(names, "elastic")
     if not np.isfinite(data["greatest_error"].values).all():
@@ -218,23 +199,17 @@ def _error(data: xr.Dataset, some: NDArray[np.bool_]) -> float:
 
 
 def _details(data: xr.Dataset) -> list[Table | str]:
-    rows = []
-    for number, link in enumerate(data["counterweight"].values.astype(str).tolist()):
-        own = data.isel(counterweight=number)
-        x, y = (_MM * own["counterweight_place"].values + 0.0).tolist()
-        rows.append(
-            (
-                link,
-                f"{_GRAM * _mass(data, number):.6g}",
-                f"{_MM * own['counterweight_radius'].item():.6g}",
-                f"{DEGREES * own['counterweight_angle'].item():.6g}",
-                f"{x:.6g}",
-                f"{y:.6g}",
-            )
-        )
+    columns = (
+        _GRAM * data["counterweight_mass"].values,
+        _MM * data["counterweight_radius"].values,
+        DEGREES * data["counterweight_angle"].values,
+        *(_MM * data["counterweight_place"].transpose("component", ...).values + 0.0),
+    )
+    cells = ([f"{value:.6g}" for value in column] for column in columns)
+    rows = tuple(zip(data["counterweight"].values.astype(str).tolist(), *cells, strict=True))
     headings = ("link", "mass g", "radius mm", "angle deg", "x mm", "y mm")
     said: list[Table | str] = [
-        Table("counterweights, places in the link's frame from its start", headings, (tuple(rows),))
+        Table("counterweights, places in the link's frame from its start", headings, (rows,))
     ]
     if "order" in data:
         force = data["shaking_force_order"]
@@ -249,10 +224,6 @@ def _details(data: xr.Dataset) -> list[Table | str]:
         "balanced.toml: the model file with the counterweights, for every other command",
     ]
     return said
-
-
-def _warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
-    return (*_heavy_warnings(changes), *_elastic_warnings(changes))
 
 
 def _heavy_warnings(changes: dict[str, _Change]) -> tuple[str, ...]:

@@ -22,12 +22,12 @@ from flexmech.analyses.datasets import (
     filled,
     provenance,
     records,
-    with_units,
 )
 from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.remarks import environment_lines, left_out_attributes
 from flexmech.analyses.requests import Engines, as_many_modes, engines_of
+from flexmech.analyses.schema import Values
 from flexmech.arrays import IntArray, LabelledProgress, silent
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.hygrothermal import Environment, mechanism_in_state
@@ -53,7 +53,6 @@ def dataset_of(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> x
     """
     engines = [diagram.engine for diagram in diagrams]
     checked = np.unique(np.concatenate([each.checked_speeds for each in diagrams]))
-    over = ("engine", "crank_speed", "branch")
     mesh_error = filled(
         (len(diagrams), len(checked), request.formulation.modes),
         (
@@ -62,48 +61,41 @@ def dataset_of(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> x
             for speed, error in zip(each.checked_speeds, each.mesh_error, strict=True)
         ),
     )
-    values = np.stack([each.sampled.values[each.places] for each in diagrams])
-    dataset = xr.Dataset(
-        {
-            "lowest_frequency": (over, values[:, :, 0]),
-            "mean_frequency": (over, values[:, :, 1]),
-            "highest_frequency": (over, values[:, :, 2]),
-            "solved": (over[:2], np.stack([_solved(each) for each in diagrams])),
-            "band_frequency": (
-                ("engine", "band_speed", "end", "branch"),
-                np.stack([each.sampled.values for each in diagrams]),
-            ),
-            "discretisation_error": (("engine", "check_speed", "branch"), mesh_error),
-            "fit_error": ("engine", [each.sampled.fit_error for each in diagrams]),
-            "projection_error": ("engine", [each.projection_error for each in diagrams]),
-            "crossing_error": ("engine", [each.crossing_error for each in diagrams]),
-        }
-        | records(
-            "critical",
-            [(each.engine, found) for each in diagrams for found in each.critical],
-            columns_of(CriticalSpeed),
-        )
-        | records(
-            "gap", [(each.engine, gap) for each in diagrams for gap in each.gaps], columns_of(Gap)
-        ),
-        coords={
-            **engine_coordinates(engines),
-            "crank_speed": request.crank_speeds,
-            "band_speed": diagrams[0].sampled.crank_speed,
-            "end": ["lowest", "mean", "highest"],
-            "check_speed": checked,
-            "branch": np.arange(1, request.formulation.modes + 1),
-            "order": request.orders,
-        },
-    )
+    bands = np.stack([each.sampled.values[each.places] for each in diagrams])
+    values: Values = {
+        "lowest_frequency": bands[:, :, 0],
+        "mean_frequency": bands[:, :, 1],
+        "highest_frequency": bands[:, :, 2],
+        "solved": np.stack([_solved(each) for each in diagrams]),
+        "band_frequency": np.stack([each.sampled.values for each in diagrams]),
+        "discretisation_error": mesh_error,
+        "fit_error": [each.sampled.fit_error for each in diagrams],
+        "projection_error": [each.projection_error for each in diagrams],
+        "crossing_error": [each.crossing_error for each in diagrams],
+        "crank_speed": request.crank_speeds,
+        "band_speed": diagrams[0].sampled.crank_speed,
+        "end": ["lowest", "mean", "highest"],
+        "check_speed": checked,
+        "branch": np.arange(1, request.formulation.modes + 1),
+        "order": request.orders,
+    }
+    critical = [(each.engine, found) for each in diagrams for found in each.critical]
+    gaps = [(each.engine, gap) for each in diagrams for gap in each.gaps]
+    lists = records("critical", critical, columns_of(CriticalSpeed))
+    lists |= records("gap", gaps, columns_of(Gap))
+    dataset = CampbellDiagram.schema().dataset(values).assign(lists)
     angles = np.degrees(request.crank_angles)
     turn = "a turn" if request.full_turn else f"{angles[0]:.6g} to {angles[-1]:.6g} deg"
-    return with_units(dataset, "campbell").assign_attrs(
-        provenance(engines),
-        prestress=request.formulation.prestress,
-        rotation_terms=str(request.formulation.counted_terms),
-        speed_unit=request.shown_unit,
-        crank_angles=f"{turn}, {len(request.turn)} angles",
+    return (
+        CampbellDiagram.schema()
+        .labelled(dataset.assign_coords(engine_coordinates(engines)))
+        .assign_attrs(
+            provenance(engines),
+            prestress=request.formulation.prestress,
+            rotation_terms=str(request.formulation.counted_terms),
+            speed_unit=request.shown_unit,
+            crank_angles=f"{turn}, {len(request.turn)} angles",
+        )
     )
 
 

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.campbell import answer as answers
 from flexmech.analyses.campbell import words
-from flexmech.analyses.datasets import table_of, terms_column
+from flexmech.analyses.datasets import with_terms
 from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.result import Result
@@ -21,25 +22,6 @@ from flexmech.analyses.summary import Summary, Table
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-# Columns of the tables, and their variables.
-BANDS = {
-    "engine": "engine",
-    "crank_speed_rad_s": "crank_speed",
-    "branch": "branch",
-    "lowest_Hz": "lowest_frequency",
-    "mean_Hz": "mean_frequency",
-    "highest_Hz": "highest_frequency",
-}
-CRITICAL_SPEEDS = {
-    "engine": "critical_engine",
-    "order": "critical_order",
-    "branch": "critical_branch",
-    "from_rad_s": "critical_start",
-    "to_rad_s": "critical_end",
-    "nearest_relative_gap": "critical_gap",
-}
 
 
 class CampbellDiagram(Result):
@@ -58,12 +40,6 @@ class CampbellDiagram(Result):
     stem = "campbell"
     subject = "Campbell diagram"
     hallmark = "critical_order"
-    files = (
-        "campbell.csv",
-        "critical_speeds.csv",
-        "campbell.nc",
-        "campbell.png",
-    )
 
     def bands(self) -> pd.DataFrame:
         """Bands, one row for each engine, crank speed and branch; gaps have none.
@@ -72,10 +48,7 @@ class CampbellDiagram(Result):
         -------
         pandas.DataFrame
         """
-        over = ("engine", "crank_speed", "branch")
-        return table_of(self.dataset, over, BANDS | terms_column(self.dataset)).dropna(
-            ignore_index=True
-        )
+        return self.table(self.stem)
 
     def critical_speeds(self) -> pd.DataFrame:
         """Ranges of speed in which an order of the crank meets a branch, one row for each.
@@ -87,12 +60,11 @@ class CampbellDiagram(Result):
         -------
         pandas.DataFrame
         """
-        columns = CRITICAL_SPEEDS | terms_column(self.dataset)
-        return table_of(self.dataset, ("critical",), columns)
+        return self.table("critical_speeds")
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """``campbell`` and ``critical_speeds``."""
-        return {self.stem: self.bands(), "critical_speeds": self.critical_speeds()}
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with the rotation terms counted, where some are not."""
+        return with_terms(self.dataset)
 
     def plot(
         self,

@@ -13,7 +13,7 @@ from flexmech.analyses.check.in_short import linkage_in_short
 from flexmech.analyses.check.remarks import USUAL_TRANSMISSION_ANGLE, remarks
 from flexmech.analyses.check.result import ModelCheck
 from flexmech.analyses.check.sections import LINK_PROPERTIES, section_properties
-from flexmech.analyses.datasets import provenance, with_units
+from flexmech.analyses.datasets import provenance
 from flexmech.analyses.frequencies.discretisation import mesh_error
 from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
@@ -114,7 +114,7 @@ def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None
         drawn = drawn_mechanism(mechanism, posture)
         dataset = dataset.merge(drawn).assign_attrs(drawn.attrs)
     dataset.attrs["remarks"] = "\n".join(remarks(mechanism, frequency))
-    return ModelCheck(with_units(dataset, "check"))
+    return ModelCheck(ModelCheck.schema().labelled(dataset))
 
 
 def _oscillating(engine: Engine, crank_angle: float) -> tuple[FloatArray, FloatArray, str]:

@@ -160,7 +160,7 @@ class ModelCheck(Result):
         if "frequency" not in known:
             return []
         frequency = known["frequency"].values
-        error = known.get("discretisation_error", np.nan * known["frequency"]).values * frequency
+        error = known["discretisation_error"].values * frequency
         pairs = enumerate(zip(frequency.tolist(), error.tolist(), strict=True), start=1)
         name, unit = "natural_frequency", "Hz"
         return [Quantity(name, hz, unit, own, f"mode {mode}") for mode, (hz, own) in pairs]
@@ -222,9 +222,6 @@ class ModelCheck(Result):
         engine, elements = attributes["engine"], attributes["elements"]
         made = f"{engine} engine, {elements} elements a link"
         frequency = self.dataset["frequency"].values.tolist()
-        if "discretisation_error" not in self.dataset:
-            # A file of an earlier version.
-            return f"{title}: {', '.join(f'{hz:.4f}' for hz in frequency)} Hz ({made})"
         errors = self.dataset["discretisation_error"].values.tolist()
         listed = ", ".join(
             rounded(hz, hz * error) for hz, error in zip(frequency, errors, strict=True)

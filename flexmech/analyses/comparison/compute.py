@@ -17,7 +17,7 @@ from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.comparison.result import Comparison
 from flexmech.analyses.crank_speeds import GREATEST, asked_speeds, in_unit
 from flexmech.analyses.damping_ratios import CountedLoss
-from flexmech.analyses.datasets import provenance, with_units
+from flexmech.analyses.datasets import provenance
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
 from flexmech.arrays import LabelledProgress, silent
@@ -104,7 +104,7 @@ def compare_with_record(
         dataset = comparison_dataset(problem, taken, request, fit)
     if "time" not in dataset.dims:
         attributes |= left_out_attributes(own.mechanism)
-    return Comparison(with_units(dataset.assign_attrs(attributes), "comparison"))
+    return Comparison(Comparison.schema().labelled(dataset.assign_attrs(attributes)))
 
 
 def _usual_request(mechanism: Mechanism, record: MeasuredRecord) -> ComparisonRequest:

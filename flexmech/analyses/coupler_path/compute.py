@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,9 +11,10 @@ from numpy.typing import ArrayLike
 
 from flexmech.analyses.coupler_path.result import CouplerPaths
 from flexmech.analyses.datasets import origin
-from flexmech.analyses.kinematics.extremes import extremes
+from flexmech.analyses.extremes import extremes
 from flexmech.analyses.remarks import environment_lines, state_name
 from flexmech.analyses.requests import environment_of, in_radians
+from flexmech.analyses.schema import Values
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import (
@@ -44,8 +44,6 @@ from flexmech.validation import check_instance
 # Points of a finely drawn loop: the straight lines between them leave the curve by a hundredth of a
 # printer's dot.
 _FINE = 400
-_METRE, _RADIAN = {"units": "m"}, {"units": "rad"}
-_OVER = "crank_angle"
 
 
 @dataclass(frozen=True)
@@ -100,7 +98,7 @@ class _Path:
             found = extremes(self.position, angles, between=False)
         return np.stack([found.least, found.greatest], axis=1)
 
-    def dataset(self, crank_angles: FloatArray, windows: FloatArray) -> xr.Dataset:
+    def values(self, crank_angles: FloatArray, windows: FloatArray) -> Values:
         """The path, and what it does between pairs of crank angles (W, 2), finely drawn."""
         topology, motion = self.linkage.topology, self.linkage.motion(crank_angles)
         body, position = topology.links[self.link], self._position(motion)
@@ -108,15 +106,13 @@ class _Path:
         # A four-bar's coupler is shown with the rocker, and with all members.
         members = slice(self.link, self.link + (2 if self.is_curve else 1))
         lengths = {own.name: own.length for own in topology.links}
-        variables: dict[str, Any] = {
-            "position": ((_OVER, "component"), position, _METRE),
-            "pin_position": ((_OVER, "pin", "component"), np.stack(pins, axis=1), _METRE),
-            "angle": ((_OVER, "link"), np.unwrap(motion.angle[:, members], axis=0), _RADIAN),
-            "coupler_point_distance": ((), self.point.distance, _METRE),
-            "extent": (("component", "bound"), self._extent(crank_angles), _METRE),
-        }
-        coordinates: dict[str, Any] = {
-            "crank_angle": (_OVER, crank_angles, _RADIAN),
+        values: Values = {
+            "position": position,
+            "pin_position": np.stack(pins, axis=1),
+            "angle": np.unwrap(motion.angle[:, members], axis=0),
+            "coupler_point_distance": self.point.distance,
+            "extent": self._extent(crank_angles),
+            "crank_angle": crank_angles,
             "component": ["x", "y"],
             "bound": ["least", "greatest"],
             "pin": ["A", "B"] if self.is_curve else ["start", "end"],
@@ -124,21 +120,17 @@ class _Path:
         }
         if isinstance(self.linkage, FourBar) and self.is_curve:
             lengths = dict(self.linkage.lengths)
-            transmission = self.linkage.transmission_angle(crank_angles)
-            limits = [*self.linkage.transmission_angle_limits()]
             residual = np.abs(coupler_sextic(self.linkage, self.point, position)).max()
-            variables |= {
-                "transmission_angle": (_OVER, transmission, _RADIAN),
-                "transmission_angle_limit": ("limit", limits, _RADIAN),
-                "sextic_residual": ((), residual, {"units": "1"}),
+            values |= {
+                "transmission_angle": self.linkage.transmission_angle(crank_angles),
+                "transmission_angle_limit": [*self.linkage.transmission_angle_limits()],
+                "sextic_residual": residual,
+                "limit": ["least", "greatest"],
             }
-            coordinates["limit"] = ["least", "greatest"]
         if windows.size:
             around = [np.linspace(a - (b - a), b + (b - a), _FINE) for a, b in windows]
-            close_up = self.position(around)
-            variables["close_up"] = (("window", "point", "component"), close_up, _METRE)
-        variables["length"] = ("member", [*lengths.values()], _METRE)
-        return xr.Dataset(variables, coordinates | {"member": list(lengths)})
+            values["close_up"] = self.position(around)
+        return values | {"length": [*lengths.values()], "member": list(lengths)}
 
 
 def coupler_paths(
@@ -282,26 +274,22 @@ def _dataset(paths: Mapping[str, _Path], crank_angles: FloatArray) -> xr.Dataset
     # Every state's curve is drawn around every state's loops: all must reach there.
     if not all(isinstance(p.linkage, FourBar) and p.linkage.crank_turns_fully for p in every):
         windows = windows[:0]
-    states = [path.dataset(crank_angles, windows) for path in every]
     doubles = [(state, double) for state, path in paths.items() for double in path.double_points]
-    position = np.reshape([double.position for _, double in doubles], (-1, 2))
-    angles = np.reshape([double.crank_angles for _, double in doubles], (-1, 2))
     named = np.array([(state, double.kind) for state, double in doubles], dtype=str)
-    variables: dict[str, Any] = {
-        "double_point_position": (("double_point", "component"), position, _METRE),
-        "double_point_crank_angle": (("double_point", "passage"), angles, _RADIAN),
+    values: Values = {
+        "double_point_position": np.reshape([double.position for _, double in doubles], (-1, 2)),
+        "double_point_crank_angle": np.reshape([one.crank_angles for _, one in doubles], (-1, 2)),
+        "state": list(paths),
+        "name": ["dry", "wet"][: len(every)],
+        "double_point_state": named.reshape(-1, 2)[:, 0],
+        "double_point_kind": named.reshape(-1, 2)[:, 1],
     }
     if windows.size:
         framed = [path.position(windows.mean(axis=1)) for path in every]
         framed += [p.position(np.linspace(a, b, _FINE)) for p in every for a, b in p.passages]
-        variables["framed"] = (("framed_place", "component"), np.concatenate(framed), _METRE)
-    coordinates = {
-        "state": list(paths),
-        "name": ("state", ["dry", "wet"][: len(every)]),
-        "double_point_state": ("double_point", named.reshape(-1, 2)[:, 0]),
-        "double_point_kind": ("double_point", named.reshape(-1, 2)[:, 1]),
-    }
-    return xr.concat(states, "state").assign(variables).assign_coords(coordinates)
+        values["framed"] = np.concatenate(framed)
+    states = [path.values(crank_angles, windows) for path in every]
+    return CouplerPaths.schema().dataset(values, parts=states, along="state")
 
 
 def _link_named(linkage: Linkage, link: str) -> str:

@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import DEGREES, Columns, columns_along, table_of
+from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
@@ -27,16 +27,10 @@ class CouplerPaths(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        Over ``state`` and ``crank_angle``: ``position`` of the point, ``pin_position`` of the
-        pins A and B, ``angle`` of coupler and rocker without jumps, and ``transmission_angle``
-        between them; of a point of another link than a four-bar's coupler, ``pin_position`` of its
-        ends and its own ``angle``, and neither transmission angles nor double points. Over
-        ``state``: ``transmission_angle_limit`` of the whole motion,
-        ``length`` between the pins of each member, ``coupler_point_distance`` from A, and
-        ``sextic_residual``, the greatest residual of the curve's equation. Of the whole curves:
-        ``double_point_position`` and ``double_point_crank_angle`` of both passages over
-        ``double_point``. ``close_up`` of every path around the loops of any, and the places that
-        are ``framed`` by it.
+        The variables of ``schema.toml``: over ``state`` and ``crank_angle`` the ``position`` of the
+        point, its link's pins and angle; of a four-bar's coupler also transmission angles, and
+        crossings and cusps over ``double_point``; ``close_up`` of every path around the loops of
+        any, and the places that are ``framed`` by it.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -44,69 +38,32 @@ class CouplerPaths(Result):
     stem = "coupler_curve"
     subject = "path of a coupler point"
     hallmark = "pin_position"
-    files = (
-        "coupler_curve.csv",
-        "topology.csv",
-        "coupler_curve.nc",
-        "coupler_curve.png",
-        "coupler_angles.png",
-    )
     significant_digits = 12
     digits = dict.fromkeys(
         ("theta3_deg", "theta4_deg", "coupler_curve.x_m", "coupler_curve.y_m"), 10
     )
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """Path at each crank angle, and the double points of the whole curves."""
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with each angle and each passage by itself."""
         data = self.dataset
-        angle, passage = (DEGREES * data[name] for name in ("angle", "double_point_crank_angle"))
-        curve: Columns = {
-            "state": "name",
-            "crank_angle_deg": "crank_angle",
-            **{name: angle.isel(link=n) for n, name in enumerate(self._angle_columns())},
-            **columns_along("{}_m", data["position"], "component"),
-            **self._transmission_columns(),
-        }
-        topology: Columns = {
-            "state": data["name"].sel(state=data["double_point_state"]),
-            "kind": "double_point_kind",
-            "crank_angle_1_deg": passage.isel(passage=0),
-            "crank_angle_2_deg": passage.isel(passage=1),
-            **columns_along("{}_m", data["double_point_position"], "component"),
-        }
-        return {
-            "coupler_curve": table_of(data, ("state", "crank_angle"), curve),
-            "topology": table_of(data, ("double_point",), topology),
-        }
-
-    def _angle_columns(self) -> list[str]:
-        """Of a four-bar's coupler and rocker, or of the link that carries the point."""
-        if self.is_curve:
-            return ["theta3_deg", "theta4_deg"]
-        return [f"{link}_deg" for link in self.dataset["link"].values]
-
-    def _transmission_columns(self) -> dict[str, xr.DataArray]:
+        passages = (data["double_point_crank_angle"].isel(passage=n, drop=True) for n in (0, 1))
+        first, second = passages
+        found = data.assign(
+            first_passage=first,
+            second_passage=second,
+            name_of_double_point=data["name"]
+            .sel(state=data["double_point_state"])
+            .drop_vars("state"),
+        )
         if not self.is_curve:
-            return {}
-        limits = DEGREES * self.dataset["transmission_angle_limit"]
-        return {
-            "transmission_angle_deg": DEGREES * self.dataset["transmission_angle"],
-            **columns_along("{}_transmission_angle_deg", limits, "limit"),
-        }
+            return found.assign(angle_of_link=data["angle"])
+        coupler, rocker = (data["angle"].isel(link=n, drop=True) for n in (0, 1))
+        return found.assign(theta3=coupler, theta4=rocker)
 
     @property
     def is_curve(self) -> bool:
         """Whether it is of the coupler of a four-bar, whose double points are known."""
         return "sextic_residual" in self.dataset
-
-    def figures(self) -> dict[str, Figure]:
-        """Curves with their double points, and the angles of coupler and rocker."""
-        if not self.is_curve:
-            return {"coupler_curve": self.plot()}
-        return {
-            "coupler_curve": self.plot(),
-            "coupler_angles": plots.plot_coupler_angles(self.dataset),
-        }
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw curves with their double points, in axes of the user's (one a panel) if given."""

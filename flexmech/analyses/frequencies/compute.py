@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.crank_speeds import asked_speeds
-from flexmech.analyses.datasets import provenance, rigid_positions, with_units
+from flexmech.analyses.datasets import provenance, rigid_positions
 from flexmech.analyses.frequencies.discretisation import check_angle_indices
 from flexmech.analyses.frequencies.engine_map import map_engine
 from flexmech.analyses.frequencies.formulation import Formulation
@@ -89,13 +89,17 @@ def joined(
     lumps = max(engine.lumped_mass_count for engine in engines)
     for part in pictured:
         dataset = dataset.merge(part)
-    return with_units(dataset, "frequencies").assign_attrs(
-        provenance(engines),
-        drawing=drawing(first.mechanism),
-        prestress=formulation.prestress,
-        rotation_terms=str(formulation.counted_terms),
-        speed_unit=request.shown_unit,
-        **({"lumped_masses": lumps} if lumps else {}),
+    return (
+        MovingFrequencies.schema()
+        .labelled(dataset)
+        .assign_attrs(
+            provenance(engines),
+            drawing=drawing(first.mechanism),
+            prestress=formulation.prestress,
+            rotation_terms=str(formulation.counted_terms),
+            speed_unit=request.shown_unit,
+            **({"lumped_masses": lumps} if lumps else {}),
+        )
     )
 
 

@@ -11,11 +11,10 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
-from flexmech.analyses.datasets import table_of, terms_column
+from flexmech.analyses.datasets import with_terms
 from flexmech.analyses.frequencies import answer as answers
 from flexmech.analyses.frequencies import damping, words
 from flexmech.analyses.frequencies.agreement import (
-    DIMS,
     EngineAgreement,
     engine_agreement,
     verdict,
@@ -48,36 +47,6 @@ FILES = (
     "mode_shapes_*.png",
     "agreement.png",
 )
-# Columns of the tables, and their variables: where a row is, and what each table holds there.
-_PLACES = {
-    "engine": "engine",
-    "crank_speed_rad_s": "crank_speed",
-    "crank_angle_deg": "crank_angle",
-    "mode": "mode",
-}
-_COLUMNS = {
-    "frequencies": {
-        "branch": "branch_of_mode",
-        "frequency_Hz": "frequency",
-        "damping_ratio": "damping_ratio",
-    },
-    "vibration_effect": {
-        "frequency_Hz": "frequency",
-        "quasi_static_frequency_Hz": "quasi_static_frequency",
-        "relative_change": "relative_change",
-    },
-    "damping": {"damping_ratio": "strain_energy_damping"},
-    "shaft": {
-        "kind": "shaft_kind",
-        "frequency_Hz": "shaft_frequency",
-        "growth_rate_1_s": "shaft_growth_rate",
-    },
-    "hygrothermal_effect": {
-        "dry_frequency_Hz": "dry_frequency",
-        "frequency_Hz": "frequency",
-        "relative_change": "relative_change",
-    },
-}
 
 
 class MovingFrequencies(Result):
@@ -230,18 +199,19 @@ class MovingFrequencies(Result):
             compared = wet.dataset.assign(
                 dry_frequency=dry.dataset["frequency"], relative_change=self.relative_change()
             )
-            effect = _table(compared, "hygrothermal_effect")
+            effect = self.schema().table("hygrothermal_effect", with_terms(compared))
             below = {f"dry/{name}": table for name, table in dry.tables().items()}
             return {**wet.tables(), **below, "hygrothermal_effect": effect}
-        data, effect = self.dataset, self.vibration_effect()
+        return super().tables()
+
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with the effect of vibration, the kind of a free shaft's mode, and terms."""
+        data, effect = with_terms(self.dataset), self.vibration_effect()
         if effect is not None:
             data = data.assign(relative_change=effect)
         if "shaft_frequency" in data:
             data = data.assign(shaft_kind=words.shaft_kind(data))
-        known = data.variables.keys()
-        return {
-            name: _table(data, name) for name, of in _COLUMNS.items() if known >= {*of.values()}
-        }
+        return data
 
     def datasets(self) -> dict[str, xr.Dataset]:
         """NetCDF files: the result; with states also each of them, as a result of its own."""
@@ -353,11 +323,3 @@ class MovingFrequencies(Result):
             (*answers.disagreement(data, effect), *warnings_of(self.dataset.attrs)),
             answers.numbers(extremes, data),
         )
-
-
-def _table(data: xr.Dataset, name: str) -> pd.DataFrame:
-    """A table over those of the dimensions that its variables have."""
-    columns = _COLUMNS[name]
-    over = [dim for dim in DIMS if any(dim in data[of].dims for of in columns.values())]
-    places = {column: dim for column, dim in _PLACES.items() if dim in over}
-    return table_of(data, over, {**places, **columns, **terms_column(data)})

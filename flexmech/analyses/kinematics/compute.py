@@ -7,20 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.datasets import origin, with_units
-from flexmech.analyses.kinematics.extremes import is_whole
-from flexmech.analyses.kinematics.over_time import forces_along, over_time
-from flexmech.analyses.kinematics.quantities import Forces, extremes_dataset
+from flexmech.analyses.aspects.law import law_attributes, law_values
+from flexmech.analyses.aspects.motor import motor_attributes, motor_values, settled_values
+from flexmech.analyses.aspects.shaking import harmonic_values, shaking_of
+from flexmech.analyses.datasets import origin
+from flexmech.analyses.extremes import is_whole
+from flexmech.analyses.kinematics.positions import of_lumps, values_of
 from flexmech.analyses.kinematics.request import KinematicsRequest
 from flexmech.analyses.kinematics.result import Kinematics
-from flexmech.analyses.kinematics.variables import of_centres, of_forces, of_lumps, of_points
-from flexmech.analyses.motor import motor_attributes, motor_variables, settled_variables
+from flexmech.analyses.kinematics.sought import SCHEMA, Forces, extreme_values
 from flexmech.analyses.remarks import crank_speed_text
-from flexmech.analyses.shaking import (
-    harmonic_variables,
-    shaking_of,
-    shaking_variables,
-)
+from flexmech.analyses.schema import Values
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, checked_mechanism
@@ -31,6 +28,7 @@ from flexmech.linkages import (
     Linkage,
     MotorRun,
     PlanarLinkage,
+    RigidMotion,
     assemblable,
     continuous_angles,
 )
@@ -40,6 +38,8 @@ from flexmech.mechanism import Mechanism, with_motor_run
 _HARMONIC_STEPS = 720
 # Of a move with its dwell, or of a turn after a run-up; and of a whole law.
 _STEPS_OF_A_CYCLE, _MOST_STEPS = 720, 20_000
+# Between two of these parts of a run a linkage and its loads have one extreme.
+_PARTS_OF_A_RUN = 720
 # A linkage whose range of motion has a gap of less than a degree passes as one that turns.
 _TURN = np.radians(np.arange(0.0, 360.0))
 
@@ -98,27 +98,26 @@ def kinematics(
         _refuse_loads_over_time(mechanism)
 
     if request.law is not None:
-        return Kinematics(with_units(_along_law(mechanism, request.law, request), "kinematics"))
+        return Kinematics(_along_law(mechanism, request.law, request))
 
     def at(angles: FloatArray) -> tuple[InverseDynamics, InverseDynamics | None]:
         motion = mechanism.linkage.motion(angles, speed, request.crank_acceleration)
         time = angles / speed if speed else np.zeros_like(angles)
-        forces = mechanism.inverse_dynamics(motion, time)
-        if elements is None:
-            return forces, None
-        return forces, mechanism.inverse_dynamics(motion, time, elements)
+        return _forces(mechanism, motion, time, elements)
 
     shaft = mechanism.shaft_inertia * request.crank_acceleration
-    asked = request.crank_angles, request.moment_point, shaft
-    dataset = kinematics_dataset(mechanism, *at(request.crank_angles), elements, request, shaft)
-    found = extremes_dataset(mechanism, at, *asked)
+    forces = at(request.crank_angles)
+    values = _values(mechanism, *forces, request, shaft)
+    values |= extreme_values(mechanism, at, request.crank_angles, request.moment_point, shaft)
+    attributes = _attributes(mechanism, request)
     if request.crank_acceleration:
         # States, and not one run: power has no mean.
-        found = found.drop_vars([n for n in found if str(n).startswith("mean_")])
-    dataset = with_units(
-        dataset.merge(found).merge(_harmonics(mechanism, at, request)), "kinematics"
-    )
-    return Kinematics(dataset.assign_attrs(warning=_on_turning(mechanism, request)))
+        values = {name: one for name, one in values.items() if not name.startswith("mean_")}
+        attributes["crank_acceleration"] = float(request.crank_acceleration)
+        attributes["shaft_inertia_torque"] = float(shaft)
+    values |= _harmonics(mechanism, at, request)
+    attributes["warning"] = _on_turning(mechanism, request)
+    return Kinematics(SCHEMA.dataset(values).assign_attrs(attributes))
 
 
 def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -> xr.Dataset:
@@ -126,33 +125,54 @@ def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -
     elements = request.lumped_of(mechanism)
     if isinstance(drive, MotorRun):
         mechanism = with_motor_run(mechanism, drive)
-    at = forces_along(mechanism, drive, elements)
+
+    def at(time: FloatArray) -> tuple[InverseDynamics, InverseDynamics | None]:
+        return _forces(mechanism, drive.motion(mechanism.linkage, time), time, elements)
+
+    def shaft_torque(time: FloatArray) -> FloatArray:
+        return np.asarray(mechanism.shaft_inertia * drive.crank_acceleration(time))
+
     cycles = drive.run_time(1.0) / drive.cycle_time
     steps = int(min(np.ceil(round(_STEPS_OF_A_CYCLE * cycles, 6)), _MOST_STEPS))
     time = drive.run_time(1.0) / steps * np.arange(steps + 1.0)
-    shaft = mechanism.shaft_inertia * drive.crank_acceleration(time)
-    dataset = kinematics_dataset(mechanism, *at(time), elements, request, shaft)
-    found = over_time(dataset, mechanism, drive, time, at, request.moment_point)
-    if not isinstance(drive, MotorRun):
-        return found
-    given = motor_variables(drive, drive.motor_output(time), drive.rotor_speed(time))
-    found = found.merge(given).merge(settled_variables(drive, mechanism))
-    return found.assign_attrs(motor_attributes(drive))
+    point, step = request.moment_point, float(time[-1] - time[0]) / _PARTS_OF_A_RUN
+    values = _values(mechanism, *at(time), request, shaft_torque(time))
+    values |= extreme_values(mechanism, at, time, point, shaft_torque, step=step)
+    for name in ("least", "greatest"):
+        values[f"{name}_time"] = values[f"{name}_angle"]
+        values[f"{name}_angle"] = drive.crank_angle(values[f"{name}_time"])
+    values |= {"time": time, **law_values(drive, time, mechanism.shaft_inertia)}
+    attributes = _attributes(mechanism, request) | law_attributes(drive)
+    attributes["run_up_time"] = drive.law_time
+    if isinstance(drive, MotorRun):
+        values |= motor_values(drive, drive.motor_output(time), drive.rotor_speed(time))
+        values |= settled_values(drive, mechanism)
+        attributes |= motor_attributes(drive)
+    return SCHEMA.dataset(values, "time").assign_attrs(attributes)
 
 
-def _harmonics(mechanism: Mechanism, at: Forces, request: KinematicsRequest) -> xr.Dataset:
+def _forces(
+    mechanism: Mechanism, motion: RigidMotion, time: FloatArray, elements: Sequence[int] | None
+) -> tuple[InverseDynamics, InverseDynamics | None]:
+    """Inverse dynamics by distributed masses, and by lumped ones if they are asked for."""
+    forces = mechanism.inverse_dynamics(motion, time)
+    if elements is None:
+        return forces, None
+    return forces, mechanism.inverse_dynamics(motion, time, elements)
+
+
+def _harmonics(mechanism: Mechanism, at: Forces, request: KinematicsRequest) -> Values:
     """Harmonics of the shaking force; nothing where the angles are no whole turns of one run."""
     first, last = request.crank_angles[[0, -1]].tolist()
     if not is_whole(last - first) or request.crank_acceleration:
-        return xr.Dataset()
+        return {}
     angles = first + 2 * np.pi * np.arange(_HARMONIC_STEPS) / _HARMONIC_STEPS
     try:
         forces, _ = at(angles)
     except InputError:
         # A dead point that is between the angles asked for.
-        return xr.Dataset()
-    found = shaking_of(mechanism, forces, request.moment_point)
-    return xr.Dataset(harmonic_variables(found, angles))
+        return {}
+    return harmonic_values(shaking_of(mechanism, forces, request.moment_point), angles)
 
 
 def _on_turning(mechanism: Mechanism, request: KinematicsRequest) -> str:
@@ -190,79 +210,39 @@ def _refuse_loads_over_time(mechanism: Mechanism) -> None:
         )
 
 
-_ANGLE, _LINK = "crank_angle", "link"
-
-
-def kinematics_dataset(
+def _values(
     mechanism: Mechanism,
     forces: InverseDynamics,
     lumped: InverseDynamics | None,
-    elements: Sequence[int] | None,
     request: KinematicsRequest,
     shaft: float | FloatArray,
-) -> xr.Dataset:
-    """Everything that tables and pictures show.
+) -> Values:
+    """All variables over the positions, with the names along their dimensions.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    forces : InverseDynamics
-        Of the distributed masses.
-    lumped : InverseDynamics or None
-        Of lumped masses.
-    elements : sequence of int or None
-        Of each link, whose mass is lumped.
-    request : KinematicsRequest
-    shaft : float or ndarray, shape (A,)
-        Torque in N m that the shaft's own inertia takes.
-
-    Returns
-    -------
-    xarray.Dataset
+    ``shaft`` is the torque in N m that the shaft's own inertia takes.
     """
     linkage, motion = mechanism.linkage, forces.motion
-    topology = linkage.topology
-    shaking = shaking_of(mechanism, forces, request.moment_point, shaft)
-    dataset = xr.Dataset(
-        {
-            "angle": ((_ANGLE, _LINK), continuous_angles(linkage, motion)),
-            "angular_velocity": ((_ANGLE, _LINK), motion.angular_velocity),
-            "angular_acceleration": ((_ANGLE, _LINK), motion.angular_acceleration),
-            **of_centres(forces.masses, motion),
-            **of_forces(topology, forces),
-            **shaking_variables(shaking, _ANGLE),
-            "moment_point": ("component", np.array(shaking.point)),
-            **of_points(mechanism, motion),
-        },
-        coords={
-            _ANGLE: motion.crank_angle,
-            _LINK: list(topology.link_names),
-            "component": ["x", "y"],
-            "joint": list(topology.joint_names),
-            "joint_kind": ("joint", list(topology.joint_kinds)),
-            "force_on": ("joint", [on for on, _ in topology.joint_sides]),
-            "force_by": ("joint", [by for _, by in topology.joint_sides]),
-        },
-    )
-    if isinstance(linkage, FourBar):
-        for name in ("transmission_angle", "reversed_transmission_angle"):
-            dataset[name] = _ANGLE, getattr(linkage, name)(motion.crank_angle)
-    if lumped is not None and elements is not None:
-        by_lumps = of_forces(topology, lumped)
-        dataset = dataset.assign({f"lumped_{name}": of for name, of in by_lumps.items()})
-        dataset = dataset.assign(of_lumps(forces.masses, elements, motion))
-        lumps = (mass.lumps(count) for mass, count in zip(forces.masses, elements, strict=True))
-        names = np.repeat(topology.link_names, [len(of_link) for of_link in lumps])
-        dataset = dataset.assign_coords(lump_link=("lump", names))
-    speed = request.speed_of(mechanism)
-    attributes = {
-        **origin(mechanism),
-        "crank_speed": speed,
-        "speed_unit": request.shown_unit(mechanism),
+    topology, elements = linkage.topology, request.lumped_of(mechanism)
+    return {
+        "crank_angle": motion.crank_angle,
+        "link": list(topology.link_names),
+        "component": ["x", "y"],
+        "joint": list(topology.joint_names),
+        "joint_kind": list(topology.joint_kinds),
+        "force_on": [on for on, _ in topology.joint_sides],
+        "force_by": [by for _, by in topology.joint_sides],
+        "angle": continuous_angles(linkage, motion),
+        **values_of(mechanism, forces, lumped, request.moment_point, shaft),
+        **({} if elements is None else of_lumps(mechanism, forces, elements)),
     }
-    if request.crank_acceleration:
-        attributes["crank_acceleration"] = float(request.crank_acceleration)
-        attributes["shaft_inertia_torque"] = float(shaft)
-    if elements is not None:
-        attributes["lumped"] = ",".join(map(str, elements))
-    return dataset.assign_attrs(attributes)
+
+
+def _attributes(mechanism: Mechanism, request: KinematicsRequest) -> dict[str, str | float]:
+    """Where the numbers come from, and the speed that they are of."""
+    elements = request.lumped_of(mechanism)
+    return {
+        **origin(mechanism),
+        "crank_speed": request.speed_of(mechanism),
+        "speed_unit": request.shown_unit(mechanism),
+        **({} if elements is None else {"lumped": ",".join(map(str, elements))}),
+    }

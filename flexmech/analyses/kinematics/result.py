@@ -1,22 +1,44 @@
-"""The result of kinematics: its tables, pictures and words."""
+"""The result of kinematics: strokes, greatest forces and torque, and all extremes in words."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import pandas as pd
+import numpy as np
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import Columns, columns_along, table_of
-from flexmech.analyses.kinematics.words import TRANSMISSION, summary_of
-from flexmech.analyses.motor import motor_columns
+from flexmech.analyses.aspects.law import law_aspect
+from flexmech.analyses.aspects.motor import motor_aspect
+from flexmech.analyses.aspects.shaking import harmonics_line, point_text
+from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.digits import MOST_DIGITS, Quantity, percent, rounded
+from flexmech.analyses.remarks import drive_words
 from flexmech.analyses.result import Result
-from flexmech.analyses.shaking import harmonics_table, shaking_columns
-from flexmech.analyses.summary import Summary
+from flexmech.analyses.summary import Aspect, Row, Summary, Table
+from flexmech.arrays import ROUND_OFF
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+# Details have a digit more than answers, as files of results are held against each other by them.
+_DETAILED = MOST_DIGITS + 1
+# Digits of the crank angle of an extreme: a tenth of a degree.
+_ANGLE_DIGITS = 4
+# Relative error of extremes: less is below the digits of all that is printed.
+_TOLD = 1e-6
+_MOTION_AND_FORCE = ("m/s", "at deg", "m/s²", "at deg", "N", "at deg")
+_MM, _PER_RADIAN = 1e3, DEGREES
+# Of the answer, at most.
+_SENTENCES = 3
+# Units in which the table of extremes has others.
+_SHOWN = {
+    "m": (_MM, "mm"),
+    "rad": (_PER_RADIAN, "deg"),
+    "m/s^2": (1.0, "m/s²"),
+    "rad/s^2": (1.0, "rad/s²"),
+}
 
 
 class Kinematics(Result):
@@ -25,30 +47,12 @@ class Kinematics(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        Over (crank_angle, link): ``angle`` without jumps, ``angular_velocity``,
-        ``angular_acceleration``, and of the centres of mass ``centre_position``,
-        ``centre_acceleration``, ``inertia_force`` (all with component) and ``inertia_moment``.
-        Over (crank_angle, joint): ``joint_force`` (component) and ``joint_moment`` on the held
-        or following link. Over crank_angle: ``driving_torque``, ``driving_power``, and of
-        four-bars ``transmission_angle`` and ``reversed_transmission_angle``; ``shaking_force``
-        (component) and ``shaking_moment`` of all that the mechanism exerts on its frame, about
-        ``moment_point`` (component), and over whole turns their amplitudes and phases over
-        ``order``, as ``shaking_force_amplitude``. With lumped masses
-        the forces by these, with names that begin with ``lumped_``, and every mass with its
-        acceleration and inertia force over ``lump``. ``point_position``, ``point_velocity`` and
-        ``point_acceleration`` (crank_angle, point, component) of what moves, and
-        ``slider_position``, ``slider_velocity`` and ``slider_acceleration`` (crank_angle, slider)
-        along its line. Over ``extreme``: ``least`` and ``greatest`` value of what
-        ``extreme_quantity`` and ``extreme_of`` name, in ``extreme_unit``, with their crank angles
-        and ``extreme_error``, found between the angles too; under a law of motion all is over
-        ``time``, with ``crank_speed_over_time``, ``crank_acceleration``, and ``least_time`` and
-        ``greatest_time`` of extremes; and under a motor ``motor_torque``, ``motor_speed`` and
-        ``motor_power`` on its own shaft, ``motor_current``, and a turn of the settled motion over
-        ``settled_angle``; ``mean_driving_power`` over whole
-        turns with its error, and ``rocker_swing`` of a crank-rocker. The attributes
-        ``crank_speed``, and where the crank accelerates ``crank_acceleration`` in rad/s^2 and
-        ``shaft_inertia_torque`` in N m, which the shaft's own inertia takes besides the driving
-        torque.
+        The variables of ``schema.toml``: of links, joints, points, sliders and lumped masses over
+        the crank angle, or over time under a law of motion; over ``extreme`` the least and the
+        greatest value of what ``extreme_quantity`` and ``extreme_of`` name, sought between the
+        angles too. The attributes ``crank_speed``, and where the crank accelerates
+        ``crank_acceleration`` in rad/s^2 and ``shaft_inertia_torque`` in N m, which the shaft's own
+        inertia takes besides the driving torque.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -56,64 +60,27 @@ class Kinematics(Result):
     stem = "kinematics"
     subject = "kinematics and joint forces"
     hallmark = "angular_acceleration"
-    files = (
-        "kinematics.csv",
-        "forces.csv",
-        "drive.csv",
-        "shaking_force.csv",
-        "shaking_harmonics.csv",
-        "motion.csv",
-        "forces_lumped.csv",
-        "drive_lumped.csv",
-        "lumped_masses.csv",
-        "kinematics.nc",
-        "kinematics.png",
-        "motion.png",
-        "joint_forces.png",
-        "shaking_force.png",
-        "shaking_orders.png",
-        "drive.png",
-        "law.png",
-        "motor.png",
-    )
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """Motion of links and points, joint forces, drive, shaking force; by lumped masses too."""
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with sliders among the points, and the acceleration asked for."""
         data = self.dataset
-        tables = {
-            "kinematics": _motion_table(data),
-            "forces": _force_table(data),
-            "drive": _drive_table(data),
+        asked = data.attrs.get("crank_acceleration")
+        if asked is not None:
+            data = data.assign(crank_acceleration_asked=float(asked))
+        if "slider" not in data:
+            return data
+        along = {
+            f"{name}_along": data[f"slider_{name}"]
+            .rename(slider="point")
+            .reindex(point=data["point"].values)
+            for name in ("position", "velocity", "acceleration")
         }
-        if shaking := shaking_columns(data):
-            over, first = _over(data)
-            tables["shaking_force"] = table_of(data, (over,), {**first, **shaking})
-        if "order" in data:
-            tables["shaking_harmonics"] = harmonics_table(data)
-        if "point" in data:
-            tables["motion"] = _point_table(data)
-        if "lumped_joint_force" in data:
-            tables["forces_lumped"] = _force_table(data, "lumped_")
-            tables["drive_lumped"] = _drive_table(data, "lumped_")
-            tables["lumped_masses"] = _lump_table(data)
-        return tables
+        return data.assign(along)
 
-    def figures(self) -> dict[str, Figure]:
-        """Motion of links and points, joint forces, drive, and what shakes the frame."""
-        figures = {"kinematics": self.plot()}
-        if plots.drawn_points(self.dataset):
-            figures["motion"] = plots.plot_motion(self.dataset)
-        figures["joint_forces"] = plots.plot_joint_forces(self.dataset)
-        figures["drive"] = plots.plot_drive(self.dataset)
-        if "crank_acceleration" in self.dataset:
-            figures["law"] = plots.plot_law(self.dataset)
-        if "motor_torque" in self.dataset:
-            figures["motor"] = plots.plot_motor(self.dataset)
-        if "shaking_force" in self.dataset:
-            figures["shaking_force"] = plots.plot_shaking_force(self.dataset)
-        if "order" in self.dataset:
-            figures["shaking_orders"] = plots.plot_shaking_orders(self.dataset)
-        return figures
+    def pictures(self) -> list[str]:
+        """Names of the pictures; none of points that do nothing but turn with the crank."""
+        moves = bool(plots.drawn_points(self.dataset))
+        return [name for name in super().pictures() if moves or name != "motion"]
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw angles, angular velocities and accelerations of the links.
@@ -127,91 +94,274 @@ class Kinematics(Result):
 
     def summary(self) -> Summary:
         """Strokes, greatest forces and torque; what each place does and carries; all extremes."""
-        return summary_of(self.dataset)
+        data = self.dataset
+        found, warning = _found(data), str(data.attrs.get("warning", ""))
+        extremes = (_extremes_table(data, found),)
+        rigid = Aspect(
+            _answer(data, found), extremes, (warning,) if warning else (), _numbers(data, found)
+        )
+        aspects = (rigid, _notes(data, found), law_aspect(data), motor_aspect(data))
+        return Summary.of(aspects, _table(data, found), _trust(data), most=_SENTENCES)
 
 
-def _over(data: xr.Dataset) -> tuple[str, Columns]:
-    """What a dataset is over, and the first columns of its tables."""
+@dataclass(frozen=True)
+class _Extreme:
+    """Least and greatest value with their crank angles in degrees, and their error."""
+
+    least: float
+    least_at: float
+    greatest: float
+    greatest_at: float
+    error: float
+
+    def texts(self, factor: float = 1.0, most: int = MOST_DIGITS) -> tuple[str, str]:
+        """Least and greatest value in another unit."""
+        return self._text(self.least, factor, most), self._text(self.greatest, factor, most)
+
+    @property
+    def at(self) -> tuple[str, str]:
+        """Crank angles of the least and the greatest value in degrees."""
+        low, high = (f"{angle:.{_ANGLE_DIGITS}g}" for angle in (self.least_at, self.greatest_at))
+        return low, high
+
+    @property
+    def span(self) -> float:
+        """From the least value to the greatest."""
+        return self.greatest - self.least
+
+    @property
+    def size(self) -> float:
+        """Greatest absolute value."""
+        return max(abs(self.least), abs(self.greatest))
+
+    @property
+    def peak(self) -> Row:
+        """Greatest value and where."""
+        return self.texts()[1], self.at[1]
+
+    def _text(self, value: float, factor: float, most: int) -> str:
+        if abs(value) <= self.error:
+            return "0"
+        return rounded(factor * value, factor * self.error, most)
+
+
+_Found = dict[tuple[str, str], _Extreme]
+
+
+def _found(data: xr.Dataset) -> _Found:
+    """Extremes by quantity and what it is of; what rounding leaves of others is in the error."""
+    units, sizes = data["extreme_unit"].values.astype(str), dict[str, float]()
+    peaks = np.maximum(abs(data["least"].values), abs(data["greatest"].values))
+    for unit, peak in zip(units.tolist(), peaks.tolist(), strict=True):
+        sizes[unit] = max(sizes.get(unit, 0.0), peak)
+    # Torque comes from forces and arms.
+    arm = float(abs(data["centre_position"]).max())
+    sizes["N m"] = max(sizes["N m"], arm * sizes["N"])
+    sizes["W"] = max(sizes["W"], sizes["N m"] * abs(float(data.attrs["crank_speed"])))
+    noise = [ROUND_OFF * sizes[unit] for unit in units.tolist()]
+    error = np.fmax(data["extreme_error"].values, noise)
+    numbers = zip(
+        data["least"].values.tolist(),
+        (_PER_RADIAN * data["least_angle"].values).tolist(),
+        data["greatest"].values.tolist(),
+        (_PER_RADIAN * data["greatest_angle"].values).tolist(),
+        error.tolist(),
+        strict=True,
+    )
+    names = zip(data["extreme_quantity"].values, data["extreme_of"].values, strict=True)
+    return {
+        (str(name), str(of)): _Extreme(*row) for (name, of), row in zip(names, numbers, strict=True)
+    }
+
+
+def _answer(data: xr.Dataset, found: _Found) -> tuple[str, ...]:
+    """Strokes, or the swing; the transmission angle; forces, torque and power."""
+    said = [_stroke_text(slider, found) for slider in _sliders(data)]
+    angle = found.get(("transmission_angle", ""))
+    if angle is not None:
+        low, high = angle.texts(_PER_RADIAN)
+        text = f"the transmission angle is {low} to {high} deg"
+        if "rocker_swing" in data:
+            text = f"the rocker swings through {_swing(data).value:.4g} deg; {text}"
+        said.append(f"{text[0].upper()}{text[1:]}.")
+    joint = _most_loaded(data, found)
+    force, torque = found["joint_force", joint], found["driving_torque", ""]
+    low, high = torque.texts()
+    if force.size <= force.error:
+        said.append("Nothing acts on the links: no joint carries a force.")
+    else:
+        driven = f"is {low} to {high}" if torque.span > torque.error else f"is {high}"
+        said.append(
+            f"The greatest joint force is {force.peak[0]} N, at {joint}; the driving torque "
+            f"{driven} N m."
+        )
+    power = found["driving_power", ""]
+    if "time" in data.dims and power.span > power.error:
+        low, high = power.texts()
+        said.append(f"The shaft gives {low} to {high} W.")
+    if _mean_text(data, found) not in ("", "0"):
+        said.append(f"The shaft gives {_mean_text(data, found)} W on average.")
+    return tuple(said)
+
+
+def _stroke_text(slider: str, found: _Found) -> str:
+    place, speed, acceleration = (
+        found[f"slider_{name}", slider] for name in ("position", "velocity", "acceleration")
+    )
+    low, high = place.texts(_MM)
+    if place.span <= place.error:
+        return f"{slider} stands at {high} mm along its line."
+    stroke = rounded(_MM * place.span, _MM * place.error)
+    text = f"{slider} strokes {stroke} mm, from {low} to {high} mm along its line"
+    if speed.size <= speed.error:
+        return f"{text}."
+    fastest = rounded(speed.size, speed.error)
+    return (
+        f"{text}, at up to {fastest} m/s and {rounded(acceleration.size, acceleration.error)} m/s²."
+    )
+
+
+def _table(data: xr.Dataset, found: _Found) -> Table:
+    """A row for each joint and each other point: how it moves, and which force it carries."""
+    kinds = dict(zip(_names(data, "joint"), data["joint_kind"].values.tolist(), strict=True))
+    places = dict.fromkeys([*kinds, *_names(data, "point")])
+    rows, slides = [], bool(_sliders(data))
+    for name in places:
+        stroke = found.get(("slider_position", name))
+        length = "" if stroke is None else rounded(_MM * stroke.span, _MM * stroke.error)
+        moves = [found.get((what, name)) for what in ("velocity", "acceleration", "joint_force")]
+        cells = (text for each in moves for text in (each.peak if each else ("", "")))
+        rows.append((name, str(kinds.get(name, "point")), *[length] * slides, *cells))
+    if ("shaking_force", "") in found:
+        shaking = found["shaking_force", ""].peak
+        rows.append(("frame", "shaking", *[""] * slides, "", "", "", "", *shaking))
+    return Table(
+        f"greatest values {_range_text(data)}, {data.attrs['mechanism']} "
+        f"{drive_words(data.attrs)}{_acceleration_text(data)}",
+        ("place", "kind", *["stroke mm"] * slides, *_MOTION_AND_FORCE),
+        (tuple(rows),),
+        text_columns=2,
+    )
+
+
+def _range_text(data: xr.Dataset) -> str:
+    """From where to where, in crank angle or in time."""
     if "time" in data.dims:
-        return "time", {"time_s": "time", "crank_angle_deg": "crank_angle"}
-    return "crank_angle", {"crank_angle_deg": "crank_angle"}
+        return f"in {float(data['time'][-1]):.6g} s"
+    angles = data["crank_angle"].values
+    first, last = (f"{_PER_RADIAN * angle:.6g}" for angle in (angles[0], angles[-1]))
+    return f"at crank angle {first} deg" if first == last else f"from {first} to {last} deg"
 
 
-def _motion_table(data: xr.Dataset) -> pd.DataFrame:
-    vectors = {
-        "centre_{}_m": "centre_position",
-        "centre_a{}_m_s2": "centre_acceleration",
-        "inertia_force_{}_N": "inertia_force",
-    }
-    columns: Columns = {
-        **_over(data)[1],
-        "link": "link",
-        "angle_deg": "angle",
-        "angular_velocity_rad_s": "angular_velocity",
-        "angular_acceleration_rad_s2": "angular_acceleration",
-        **_components(data, vectors),
-        "inertia_moment_Nm": "inertia_moment",
-    }
-    return table_of(data, (_over(data)[0], "link"), columns)
+def _extremes_table(data: xr.Dataset, found: _Found) -> Table:
+    """Least and greatest value of every quantity, and where; to the digits that are known."""
+    rows = []
+    for ((name, of), one), unit in zip(found.items(), data["extreme_unit"].values, strict=True):
+        factor, shown = _SHOWN.get(str(unit), (1.0, str(unit)))
+        pairs = zip(one.texts(factor, _DETAILED), one.at, strict=True)
+        cells = (text for pair in pairs for text in pair)
+        rows.append((of or "linkage", f"{name.replace('_', ' ')} {shown}", *cells))
+    headings = ("of", "quantity", "least", "at deg", "greatest", "at deg")
+    title = "least and greatest values, vectors by their size"
+    return Table(title, headings, (tuple(rows),), text_columns=2)
 
 
-def _force_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
-    columns: Columns = {
-        **_over(data)[1],
-        "joint": "joint",
-        "of": "force_by",
-        "on": "force_on",
-        **_components(data, {"{}_N": f"{of}joint_force"}),
-        "moment_Nm": f"{of}joint_moment",
-    }
-    return table_of(data, (_over(data)[0], "joint"), columns)
+def _notes(data: xr.Dataset, found: _Found) -> Aspect:
+    """What the table of extremes does not say: about which point, mean power, lumped masses."""
+    lines = []
+    if "lump" in data.dims:
+        lines.append(f"lumped: by {data.sizes['lump']} masses")
+    if shaft := float(data.attrs.get("shaft_inertia_torque", 0.0)):
+        lines.append(f"driving torque: the shaft's own inertia takes {shaft:.5g} N m besides")
+    if mean := _mean_text(data, found):
+        lines.append(f"mean driving power over the turn: {mean} W")
+    lines.append(f"shaking moment: about {point_text(data)}")
+    if "order" in data:
+        lines.append(harmonics_line(data))
+    return Aspect(details=tuple(lines))
 
 
-def _drive_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
-    columns: Columns = {"torque_Nm": f"{of}driving_torque", "power_W": f"{of}driving_power"}
-    if "time" in data.dims and not of:
-        law = {"speed_rad_s": "crank_speed_over_time", "acceleration_rad_s2": "crank_acceleration"}
-        columns = {**{f"crank_{name}": values for name, values in law.items()}, **columns}
-        if "shaft_inertia_torque" in data:
-            columns["shaft_inertia_torque_Nm"] = "shaft_inertia_torque"
-        columns |= motor_columns(data)
-    if not of:
-        columns |= {f"{angle}_deg": angle for angle in TRANSMISSION if angle in data}
-    return table_of(data, (_over(data)[0],), {**_over(data)[1], **columns})
+def _trust(data: xr.Dataset) -> str:
+    """How far extremes are known; equations of rigid links have no mesh and no engine."""
+    error, least, greatest = (data[name].values for name in ("extreme_error", "least", "greatest"))
+    sizes = np.maximum(np.maximum(abs(least), abs(greatest)), np.finfo(float).tiny)
+    if not np.isfinite(error).all():
+        return (
+            "values are of the crank angles asked for alone: between them the linkage cannot be "
+            "moved; links are rigid here"
+        )
+    # What is zero but for round-off has no relative error.
+    known = np.where(sizes > ROUND_OFF, error / sizes, 0.0)
+    return f"numbers are known to {percent(max(float(known.max()), _TOLD))}; links are rigid here"
 
 
-def _point_table(data: xr.Dataset) -> pd.DataFrame:
-    """Points along the ground's axes, and sliders along their lines too."""
-    kinds = {"": ("position", "m"), "v": ("velocity", "m_s"), "a": ("acceleration", "m_s2")}
-    vectors = {f"{short}{{}}_{unit}": f"point_{name}" for short, (name, unit) in kinds.items()}
-    columns: Columns = {
-        **_over(data)[1],
-        "point": "point",
-        **_components(data, vectors),
-    }
-    if "slider" in data:
-        for short, (name, unit) in kinds.items():
-            of_line = data[f"slider_{name}"].rename(slider="point")
-            columns[f"{short or 's'}_along_{unit}"] = of_line.reindex(point=data["point"].values)
-    if "crank_acceleration" in data.attrs:
-        acceleration = float(data.attrs["crank_acceleration"])
-        columns["crank_acceleration_rad_s2"] = xr.DataArray(acceleration)
-    return table_of(data, (_over(data)[0], "point"), columns)
+def _numbers(data: xr.Dataset, found: _Found) -> tuple[Quantity, ...]:
+    """The numbers of the answer."""
+    numbers = []
+    for slider in _sliders(data):
+        place = found["slider_position", slider]
+        numbers.append(Quantity("stroke", _MM * place.span, "mm", _MM * place.error, slider))
+        for name, unit in (("velocity", "m/s"), ("acceleration", "m/s^2")):
+            along = found[f"slider_{name}", slider]
+            numbers.append(Quantity(f"peak_{name}", along.size, unit, along.error, slider))
+    joint = _most_loaded(data, found)
+    force, torque = found["joint_force", joint], found["driving_torque", ""]
+    numbers.append(Quantity("peak_joint_force", force.greatest, "N", force.error, joint))
+    numbers.append(Quantity("peak_driving_torque", torque.size, "N m", torque.error))
+    if "time" in data.dims:
+        power = found["driving_power", ""]
+        numbers.append(Quantity("peak_driving_power", power.size, "W", power.error))
+    for name, unit in (("shaking_force", "N"), ("shaking_moment", "N m")):
+        if (shaking := found.get((name, ""))) is not None:
+            numbers.append(Quantity(f"peak_{name}", shaking.size, unit, shaking.error, "frame"))
+    if (angle := found.get(("transmission_angle", ""))) is not None:
+        error = _PER_RADIAN * angle.error
+        for name in ("least", "greatest"):
+            value = _PER_RADIAN * getattr(angle, name)
+            numbers.append(Quantity(f"{name}_transmission_angle", value, "deg", error))
+    if "rocker_swing" in data:
+        numbers.append(_swing(data))
+    if (mean := _mean(data, found)) is not None:
+        numbers.append(mean)
+    return tuple(numbers)
 
 
-def _lump_table(data: xr.Dataset) -> pd.DataFrame:
-    vectors = {"a{}_m_s2": "lump_acceleration", "inertia_force_{}_N": "lump_inertia_force"}
-    columns: Columns = {
-        **_over(data)[1],
-        "link": "lump_link",
-        "position_m": "lump_position",
-        "mass_kg": "lump_mass",
-        **_components(data, vectors),
-    }
-    return table_of(data, (_over(data)[0], "lump"), columns)
+def _swing(data: xr.Dataset) -> Quantity:
+    value = _PER_RADIAN * data["rocker_swing"].item()
+    return Quantity("rocker_swing", value, "deg", ROUND_OFF * value, "rocker")
 
 
-def _components(data: xr.Dataset, vectors: dict[str, str]) -> dict[str, xr.DataArray]:
-    """Columns of vectors in the plane, named by its axes."""
-    parts = (columns_along(form, data[name], "component") for form, name in vectors.items())
-    return {column: values for part in parts for column, values in part.items()}
+def _most_loaded(data: xr.Dataset, found: _Found) -> str:
+    return max(_names(data, "joint"), key=lambda joint: found["joint_force", joint].greatest)
+
+
+def _mean(data: xr.Dataset, found: _Found) -> Quantity | None:
+    """Mean power over whole turns."""
+    if "mean_driving_power" not in data:
+        return None
+    mean, error = (data[f"mean_driving_power{end}"].item() for end in ("", "_error"))
+    # Round-off of power that is zero at all angles is that of forces and speeds.
+    return Quantity("mean_driving_power", mean, "W", max(error, found["driving_power", ""].error))
+
+
+def _mean_text(data: xr.Dataset, found: _Found) -> str:
+    """Mean power in W, 0 where its error is larger; empty where the angles are no whole turns."""
+    mean = _mean(data, found)
+    if mean is None:
+        return ""
+    return "0" if abs(mean.value) <= mean.error else rounded(mean.value, mean.error)
+
+
+def _sliders(data: xr.Dataset) -> list[str]:
+    return _names(data, "slider")
+
+
+def _names(data: xr.Dataset, of: str) -> list[str]:
+    """Names along a coordinate; none where there is no such thing."""
+    return [str(name) for name in data[of].values] if of in data.coords else []
+
+
+def _acceleration_text(data: xr.Dataset) -> str:
+    """Acceleration of the crank in words; nothing where its speed is constant."""
+    acceleration = data.attrs.get("crank_acceleration")
+    return "" if acceleration is None else f" and {float(acceleration):.6g} rad/s²"

@@ -37,7 +37,6 @@ _FINER = 2
 _TIMES_TO_SHARES = 400
 # Of the time scale of filling; a slab is full to 1e-17 by then.
 _LONGEST = 40.0
-_ONE, _METRE, _SECOND = {"units": "1"}, {"units": "m"}, {"units": "s"}
 
 
 def moisture_uptake(
@@ -127,24 +126,22 @@ def _link(
     profile = history.saturation[parts] * saturation[layer_of_cell]
     assert section.layers is not None
     water = history.water * section.layers.breadth / section.mass_per_length
-    return xr.Dataset(
+    return MoistureUptake.schema().dataset(
         {
-            "place": ("cell", history.place, _METRE),
-            "profile": (("profile_time", "cell"), profile, _ONE),
-            "moisture": ("time", history.water / resin, _ONE),
-            "water": ("time", water, _ONE),
-            "uptake": ("time", history.uptake / final, _ONE),
-            "uptake_error": ("time", error, _ONE),
-            "short_time_uptake": ("time", short_time, _ONE),
-            "shen_springer_uptake": ("time", shen_springer, _ONE),
-            "time_to_share": ("share", shares, _SECOND),
-            "time_to_share_error": ("share", shares_error, _SECOND),
-            "mass_balance_error": ((), history.mass_balance_error, _ONE),
-        },
-        {
+            "place": history.place,
+            "profile": profile,
+            "moisture": history.water / resin,
+            "water": water,
+            "uptake": history.uptake / final,
+            "uptake_error": error,
+            "short_time_uptake": short_time,
+            "shen_springer_uptake": shen_springer,
+            "time_to_share": shares,
+            "time_to_share_error": shares_error,
+            "mass_balance_error": history.mass_balance_error,
             "cell": np.arange(history.place.size),
-            "time": ("time", times, _SECOND),
-            "profile_time": ("profile_time", times[parts], _SECOND),
+            "time": times,
+            "profile_time": times[parts],
             "share": _SHARES,
             "over_width": diffusion.width is not None,
         },

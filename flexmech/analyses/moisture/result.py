@@ -6,12 +6,9 @@ import math
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
-import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import Columns, table_of
 from flexmech.analyses.digits import Quantity, percent, plain, rounded
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
@@ -21,26 +18,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Columns of the tables, and their variables; moisture as percentages besides.
-_PROFILE = {"link": "link", "time_s": "profile_time", "place_m": "place"}
-_LAWS = {name: name for name in ("uptake", "short_time_uptake", "shen_springer_uptake")}
-
-
 class MoistureUptake(Result):
     """Water in the links of a mechanism over time, from dry.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Moisture ``profile`` of the resin (mass of water over its dry mass) over ``link``,
-        ``profile_time`` and ``cell``, at the ``place`` of each cell from the middle of the
-        thickness, a mean over the width where water enters through the sides too
-        (``over_width``). Over ``link`` and ``time``: mean ``moisture`` of the resin; ``water``
-        over the dry mass of the link; ``uptake``, the water over that in equilibrium, and beside
-        it ``short_time_uptake`` by the law of the root of time and ``shen_springer_uptake`` by
-        Shen & Springer's formula, not a number where they do not hold. ``time_to_share`` of the
-        equilibrium, and ``mass_balance_error`` over what the link can hold. Estimated errors:
-        ``uptake_error`` over ``time`` and ``time_to_share_error`` in s.
+        The variables of ``schema.toml``: over (link, time) water of resin and link, and beside the
+        uptake two laws that are not a number where they do not hold; profiles over
+        (link, profile_time, cell), a mean over the width where water enters through the sides too
+        (``over_width``).
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -48,24 +35,17 @@ class MoistureUptake(Result):
     stem = "moisture"
     subject = "moisture uptake"
     hallmark = "shen_springer_uptake"
-    files = ("moisture_profile.csv", "moisture_uptake.csv", "moisture.nc", "moisture.png")
     significant_digits = 8
     digits = dict.fromkeys(["time_s"], 10)
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """Profiles at some times, and the uptake over time with the laws beside it."""
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with moisture as percentages, and the root of time."""
         data = self.dataset
-        columns: Columns = {**_PROFILE, "moisture_percent": 100 * data["profile"]}
-        profile = table_of(data, ("link", "profile_time", "cell"), columns)
-        columns = {
-            "link": "link",
-            "time_s": "time",
-            "sqrt_time_sqrt_s": data["time"] ** 0.5,
-            "moisture_percent": 100 * data["moisture"],
-            **_LAWS,
-        }
-        uptake = table_of(data, ("link", "time"), columns)
-        return {"moisture_profile": profile.dropna(), "moisture_uptake": uptake}
+        return data.assign(
+            percent_in_cell=100 * data["profile"],
+            percent=100 * data["moisture"],
+            root_of_time=data["time"] ** 0.5,
+        )
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw profiles and uptake of each link, in axes of the user's (two a link) if given."""
@@ -73,7 +53,7 @@ class MoistureUptake(Result):
 
     def summary(self) -> Summary:
         """Water in the links at the end, how long they take to their equilibrium, and errors."""
-        data, attrs = _with_errors(self.dataset), self.dataset.attrs
+        data, attrs = self.dataset, self.dataset.attrs
         end, times = data.isel(time=-1), data["time_to_share"]
         rows = tuple(
             (
@@ -128,14 +108,6 @@ def _answer(data: xr.Dataset) -> Iterator[str]:
         f"{_time_to(data, slowest, _SATURATED)}; "
         f"water is then {_final(end, slowest)} of its dry mass."
     )
-
-
-def _with_errors(data: xr.Dataset) -> xr.Dataset:
-    """The dataset; results of before errors were estimated have errors that are not numbers."""
-    if "uptake_error" in data:
-        return data
-    unknown = {f"{name}_error": np.nan * data[name] for name in ("uptake", "time_to_share")}
-    return data.assign(unknown)
 
 
 def _link_at(values: xr.DataArray, pick: str) -> str:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 
-from flexmech.analyses.motor import last_turn, motor_variables
+from flexmech.analyses.aspects.motor import last_turn, motor_values
 from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.schema import Values
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
@@ -64,7 +64,7 @@ def with_motor(
     return [engine.with_(mechanism=own, shaft="free") for engine in engines], request
 
 
-def motor_of_run(refined: Trajectory, request: ResponseRequest, refinement: int) -> xr.Dataset:
+def motor_of_run(refined: Trajectory, request: ResponseRequest, refinement: int) -> Values:
     """What the motor gives in a run, and how evenly the crank turns in its last turn.
 
     Parameters
@@ -77,20 +77,22 @@ def motor_of_run(refined: Trajectory, request: ResponseRequest, refinement: int)
 
     Returns
     -------
-    xarray.Dataset
+    dict
         Empty without a motor.
     """
     run, shaft = request.drive, refined.shaft
     if not isinstance(run, MotorRun) or shaft is None:
-        return xr.Dataset()
+        return {}
     time = refined.time
     speed = run.crank_speed(time) + shaft.rate
     angle = run.crank_angle(time) + shaft.rotation
     train = run.equation.train
     states = states_along(train, time, angle, speed, run.states(0.0))
     given = train.motor_output(speed, states)
-    found = motor_variables(run, given, train.rotor_speed(speed, states))
+    values = motor_values(run, given, train.rotor_speed(speed, states))
     mean, fluctuation = last_turn(angle, speed, time)
-    return found.isel(time=slice(None, None, refinement)).assign(
-        last_turn_speed=mean, last_turn_fluctuation=fluctuation
-    )
+    return {
+        **{name: of_time[::refinement] for name, of_time in values.items()},
+        "last_turn_speed": mean,
+        "last_turn_fluctuation": fluctuation,
+    }

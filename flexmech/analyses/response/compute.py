@@ -8,7 +8,6 @@ from typing import Any, Protocol, TypeVar, cast
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.damping_ratios import CountedLoss
-from flexmech.analyses.datasets import with_units
 from flexmech.analyses.default_engines import engine_for
 from flexmech.analyses.requests import Engines, engine_of, engines_of
 from flexmech.analyses.response.by_motor import with_motor
@@ -116,7 +115,7 @@ def response(
         dataset.attrs["prediction_note"] = plan.note
     dataset.attrs["environment_lines"] = "\n".join(lines)
     dataset.attrs |= theory_attributes(chosen, request.modes) | loss.attributes
-    return Response(with_units(dataset, "response"))
+    return Response(Response.schema().labelled(dataset))
 
 
 def _request(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,8 +14,9 @@ from flexmech.analyses.response import measurements
 from flexmech.analyses.response.by_motor import motor_of_run
 from flexmech.analyses.response.driven import (
     drive_attributes,
-    driven_variables,
-    law_variables,
+    driven_values,
+    law_of_run,
+    residual_values,
     spectra_from,
 )
 from flexmech.analyses.response.measurements import peaks_between
@@ -32,13 +32,16 @@ from flexmech.analyses.response.spectra import (
     spectrogram,
     window_duration,
 )
-from flexmech.analyses.response.sprung_frame import carried_by_frame, frame_variables
+from flexmech.analyses.response.sprung_frame import carried_by_frame, frame_values
 from flexmech.analyses.response.stresses import peak_stresses
+from flexmech.analyses.schema import Values, schema_of
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import Engine
 from flexmech.linkages import Drive, RigidMotion
 from flexmech.mechanism import drawing
 from flexmech.time_domain import Trajectory
+
+SCHEMA = schema_of(__package__)
 
 # Positions at which the length of the spectrogram's window is chosen, every 10 deg of four turns,
 # and at which ranges of natural frequencies are sought, every 2.5 deg of a turn.
@@ -64,36 +67,38 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
     motion = request.drive.motion(first.mechanism.linkage, time)
     duration = _window(first, request, plan.lowest)
     parts = [
-        xr.merge(
-            [
-                _history(run, motion, plan.refinement, request),
-                _peaks(run, request.drive),
-                _spectra(run, request, plan, duration),
-                driven_variables(run.engine, run.trajectory, request, plan.refinement),
-                motor_of_run(run.trajectory, request, plan.refinement),
-            ]
-        )
+        {
+            **_history(run, motion, plan.refinement, request),
+            **_peaks(run, request.drive),
+            **_spectra(run, request, plan, duration),
+            **driven_values(run.trajectory, request, plan.refinement),
+            **motor_of_run(run.trajectory, request, plan.refinement),
+        }
         for run in runs
     ]
-    names = xr.DataArray([engine.name for engine in engines], dims="engine", name="engine")
-    dataset = xr.concat(parts, names, join="exact").merge(_rigid_values(first, motion))
-    dataset = dataset.merge(rigid_shaking(first, motion, request))
-    dataset = dataset.merge(law_variables(first, request)).merge(_ranges(first, request))
-    dataset = dataset.assign_coords(
-        element=("engine", [engine.element for engine in engines]),
-        nonlinear=("engine", [engine.simulates for engine in engines]),
-        time=time,
-        crank_angle=("time", motion.crank_angle),
-        link=list(topology.link_names),
-        probe=("link", measurements.probes(first)),
-        length=("link", [link.length for link in topology.links]),
-        joint=list(topology.joint_names),
-        joint_kind=("joint", list(topology.joint_kinds)),
-        force_on=("joint", [on for on, _ in topology.joint_sides]),
-        force_by=("joint", [by for _, by in topology.joint_sides]),
-        station=np.linspace(0.0, 1.0, dataset.sizes["station"]),
-        component=["x", "y"],
-    )
+    values = {
+        "engine": [engine.name for engine in engines],
+        "element": [engine.element for engine in engines],
+        "nonlinear": [engine.simulates for engine in engines],
+        "time": time,
+        "crank_angle": motion.crank_angle,
+        "link": list(topology.link_names),
+        "probe": measurements.probes(first),
+        "length": [link.length for link in topology.links],
+        "joint": list(topology.joint_names),
+        "joint_kind": list(topology.joint_kinds),
+        "force_on": [on for on, _ in topology.joint_sides],
+        "force_by": [by for _, by in topology.joint_sides],
+        "station": np.linspace(0.0, 1.0, parts[0]["displacement"].shape[2]),
+        "component": ["x", "y"],
+        **_rigid_values(first, motion),
+        **rigid_shaking(first, motion, request),
+        **law_of_run(first, request),
+        **_ranges(first, request),
+    }
+    dataset = SCHEMA.dataset(values, "time", parts, "engine")
+    rests = [residual_values(run.engine, run.trajectory, request, plan.refinement) for run in runs]
+    dataset = dataset.merge(SCHEMA.dataset({}, "time", rests, "engine"))
     if "spectrogram" in dataset:
         step = float(dataset["window_frequency"][1] - dataset["window_frequency"][0])
         predicted = dataset["natural_frequency"].transpose(..., "mode").values
@@ -135,7 +140,7 @@ def whole_turns(request: ResponseRequest) -> int:
 
 def _history(
     run: EngineRun, motion: RigidMotion, refinement: int, request: ResponseRequest
-) -> xr.Dataset:
+) -> Values:
     """What a run measures at the samples asked for, and how far it may be trusted."""
     engine, trajectory = run.engine, run.trajectory[::refinement]
     energy = trajectory.energy
@@ -149,108 +154,95 @@ def _history(
     if carried is not motion:
         displacement = displacement + rigid_positions(engine, carried)
         displacement -= rigid_positions(engine, motion)
-    shaking = running_shaking(engine, trajectory, carried, request)
-    return (
-        xr.Dataset(
-            {
-                "deflection": (
-                    ("time", "link"),
-                    measurements.deflections(engine, trajectory.displacement),
-                ),
-                "strain": (("time", "link"), measurements.bending_strains(engine, trajectory)),
-                "driving_torque": ("time", trajectory.driving_torque),
-                "joint_force": (("time", "joint", "component"), trajectory.joint_force),
-                "displacement": (("time", "link", "station", "component"), displacement),
-                "kinetic_energy": ("time", energy.kinetic),
-                "strain_energy": ("time", energy.strain),
-                "gravity_energy": ("time", energy.gravity),
-                "dissipated_energy": ("time", energy.dissipated),
-                "drive_work": ("time", energy.drive_work),
-                "prestress_work": ("time", energy.prestress_work),
-                "constraint_drift": drift,
-                "step": trajectory.step,
-                "energy_error": trajectory.energy_error,
-                "peak_driving_torque": trajectory.peak_driving_torque,
-                "peak_joint_force": ("joint", trajectory.peak_joint_force),
-                **_errors("step", run.step_error),
-                **_errors("reduction", run.reduction_error),
-            }
-        )
-        .assign(_shaft(trajectory, run.trajectory))
-        .assign({} if trajectory.frame is None else _errors("rotation", run.rotation_error))
-        .merge(frame_variables(engine, trajectory, run.trajectory))
-        .merge(shaking)
-    )
+    return {
+        "deflection": measurements.deflections(engine, trajectory.displacement),
+        "strain": measurements.bending_strains(engine, trajectory),
+        "driving_torque": trajectory.driving_torque,
+        "joint_force": trajectory.joint_force,
+        "displacement": displacement,
+        "kinetic_energy": energy.kinetic,
+        "strain_energy": energy.strain,
+        "gravity_energy": energy.gravity,
+        "dissipated_energy": energy.dissipated,
+        "drive_work": energy.drive_work,
+        "prestress_work": energy.prestress_work,
+        "constraint_drift": drift,
+        "step": trajectory.step,
+        "energy_error": trajectory.energy_error,
+        "peak_driving_torque": trajectory.peak_driving_torque,
+        "peak_joint_force": trajectory.peak_joint_force,
+        **_errors("step", run.step_error),
+        **_errors("reduction", run.reduction_error),
+        **({} if trajectory.frame is None else _errors("rotation", run.rotation_error)),
+        **_shaft(trajectory, run.trajectory),
+        **frame_values(engine, trajectory, run.trajectory),
+        **running_shaking(engine, trajectory, carried, request),
+    }
 
 
-def _shaft(trajectory: Trajectory, refined: Trajectory) -> xr.Dataset:
+def _shaft(trajectory: Trajectory, refined: Trajectory) -> Values:
     """How a free shaft turns against its prescribed angle; nothing where it does not."""
     shaft, every = trajectory.shaft, refined.shaft
     if shaft is None or every is None:
-        return xr.Dataset()
-    return xr.Dataset(
-        {
-            "shaft_rotation": ("time", shaft.rotation),
-            "crank_speed_fluctuation": ("time", shaft.rate),
-            "peak_shaft_rotation": float(np.abs(every.rotation).max()),
-            "peak_crank_speed_fluctuation": float(np.abs(every.rate).max()),
-        }
-    )
+        return {}
+    return {
+        "shaft_rotation": shaft.rotation,
+        "crank_speed_fluctuation": shaft.rate,
+        "peak_shaft_rotation": np.abs(every.rotation).max(),
+        "peak_crank_speed_fluctuation": np.abs(every.rate).max(),
+    }
 
 
-def _peaks(run: EngineRun, drive: Drive) -> xr.Dataset:
+def _peaks(run: EngineRun, drive: Drive) -> Values:
     """Greatest deflections, strains and stresses, between the samples that were asked for too."""
     angle = drive.crank_angle(run.trajectory.time)
     moved = measurements.deflections(run.engine, run.trajectory.displacement)
     deflection, where = peaks_between(moved, angle)
     strain, _ = peaks_between(measurements.bending_strains(run.engine, run.trajectory), angle)
     stressed = peak_stresses(run.engine, run.trajectory, drive)
-    return xr.Dataset(
-        {
-            "peak_deflection": ("link", deflection),
-            "peak_deflection_angle": ("link", where),
-            "peak_strain": ("link", strain),
-            "peak_stress": ("link", stressed.stress),
-            "peak_axial_stress": ("link", stressed.axial),
-            "peak_stress_place": ("link", stressed.place),
-            "peak_stress_angle": ("link", stressed.crank_angle),
-            "yield_strength": ("link", stressed.yield_strength),
-        }
-    )
+    return {
+        "peak_deflection": deflection,
+        "peak_deflection_angle": where,
+        "peak_strain": strain,
+        "peak_stress": stressed.stress,
+        "peak_axial_stress": stressed.axial,
+        "peak_stress_place": stressed.place,
+        "peak_stress_angle": stressed.crank_angle,
+        "yield_strength": stressed.yield_strength,
+    }
 
 
 def add_mesh_errors(dataset: xr.Dataset, errors: Sequence[RunError]) -> None:
     """Label the errors of the mesh, one for each engine."""
-    parts = [xr.Dataset(_errors("mesh", error)) for error in errors]
-    dataset.update(xr.concat(parts, dataset["engine"]))
+    parts = [_errors("mesh", error) for error in errors]
+    dataset.update(SCHEMA.dataset({}, "time", parts, "engine"))
 
 
-_OVER = {"deflection": "link", "stress": "link", "force": "joint"}
+# Errors of each link or joint; those of others are single numbers.
+_OF_EACH = ("deflection", "stress", "force")
 
 
-def _errors(cause: str, error: RunError) -> dict[str, Any]:
+def _errors(cause: str, error: RunError) -> Values:
     """Errors by one cause: of deflections over link, of forces over joint, and of the torque."""
-    variables: dict[str, Any] = {f"{cause}_error": error.linkage}
-    for name, values in error.of.items():
-        over = _OVER.get(name.removeprefix("peak_"))
-        variables[f"{cause}_error_of_{name}"] = (over, values) if over else float(values[0])
-    return variables
+    return {f"{cause}_error": error.linkage} | {
+        f"{cause}_error_of_{name}": values
+        if name.removeprefix("peak_") in _OF_EACH
+        else float(values[0])
+        for name, values in error.of.items()
+    }
 
 
-def _rigid_values(engine: Engine, motion: RigidMotion) -> xr.Dataset:
+def _rigid_values(engine: Engine, motion: RigidMotion) -> Values:
     """Torque, forces and positions if the links were rigid."""
     mechanism = engine.mechanism
     topology = mechanism.linkage.topology
     forces = mechanism.inverse_dynamics(motion)
     joint_force = np.stack([forces.joint_force[name] for name in topology.joint_names], axis=1)
-    positions = rigid_positions(engine, motion)
-    return xr.Dataset(
-        {
-            "rigid_driving_torque": ("time", forces.driving_torque),
-            "rigid_joint_force": (("time", "joint", "component"), joint_force),
-            "rigid_position": (("time", "link", "station", "component"), positions),
-        }
-    )
+    return {
+        "rigid_driving_torque": forces.driving_torque,
+        "rigid_joint_force": joint_force,
+        "rigid_position": rigid_positions(engine, motion),
+    }
 
 
 def _predicted(engine: Engine, request: ResponseRequest, time: FloatArray) -> FloatArray:
@@ -267,7 +259,7 @@ def _predicted(engine: Engine, request: ResponseRequest, time: FloatArray) -> Fl
     return np.broadcast_to(found, (len(time), request.modes))
 
 
-def _ranges(engine: Engine, request: ResponseRequest) -> xr.Dataset:
+def _ranges(engine: Engine, request: ResponseRequest) -> Values:
     """Range of each natural frequency over a turn; where the speed changes, over what is passed.
 
     Of a run at constant speed a whole turn counts, however long the run. The spectra of a law of
@@ -278,13 +270,11 @@ def _ranges(engine: Engine, request: ResponseRequest) -> xr.Dataset:
     if drive.turns_on:
         end = begin + drive.revolution_time
     found = _predicted(engine, request, np.linspace(begin, end, _PREDICTIONS))
-    return xr.Dataset(
-        {
-            "lowest_natural_frequency": ("mode", found.min(axis=0)),
-            "highest_natural_frequency": ("mode", found.max(axis=0)),
-        },
-        coords={"mode": np.arange(1, request.modes + 1)},
-    )
+    return {
+        "lowest_natural_frequency": found.min(axis=0),
+        "highest_natural_frequency": found.max(axis=0),
+        "mode": np.arange(1, request.modes + 1),
+    }
 
 
 def _window(engine: Engine, request: ResponseRequest, lowest: float) -> float:
@@ -294,9 +284,7 @@ def _window(engine: Engine, request: ResponseRequest, lowest: float) -> float:
     return window_duration(time, _predicted(engine, request, time), lowest)
 
 
-def _spectra(
-    run: EngineRun, request: ResponseRequest, plan: RunPlan, duration: float
-) -> xr.Dataset:
+def _spectra(run: EngineRun, request: ResponseRequest, plan: RunPlan, duration: float) -> Values:
     """Spectra of a run at its final speed; in time as well where it is long enough."""
     begin, interval = spectra_from(request), request.sample_interval / plan.refinement
     steady = run.trajectory.time >= begin - 1e-12
@@ -307,22 +295,17 @@ def _spectra(
         # Of what repeats every turn, over whole turns: lines at the orders.
         last = signals[:, -turns * request.samples * plan.refinement :]
         frequency, amplitude = amplitude_spectrum(last, interval, up_to, WHOLE_PERIODS)
-    spectra = xr.Dataset(
-        {"spectrum": (("link", "spectrum_frequency"), amplitude)},
-        coords={"spectrum_frequency": frequency},
-    )
+    spectra = {"spectrum": amplitude, "spectrum_frequency": frequency}
     moving = spectrogram(signals, interval, plan.lowest, up_to, duration)
     if moving is None:
         return spectra
     middle = moving.time + begin
-    prediction = _predicted(run.engine, request, middle)
-    spectra["spectrogram"] = ("link", "window_frequency", "window_time"), moving.amplitude
-    spectra["natural_frequency"] = ("window_time", "mode"), prediction
-    return spectra.assign_coords(
-        window_frequency=moving.frequency,
-        window_time=middle,
-        mode=np.arange(1, request.modes + 1),
-    )
+    return spectra | {
+        "spectrogram": moving.amplitude,
+        "natural_frequency": _predicted(run.engine, request, middle),
+        "window_frequency": moving.frequency,
+        "window_time": middle,
+    }
 
 
 # Where links are takes nine tenths of a run, and is drawn for the animation's last turn alone.

@@ -5,21 +5,22 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.datasets import Columns, columns_along
+from flexmech.analyses.aspects.law import law_attributes, law_values
+from flexmech.analyses.aspects.motor import motor_attributes, settled_values
 from flexmech.analyses.digits import Quantity, rounded
-from flexmech.analyses.motor import motor_attributes, motor_columns, settled_variables
-from flexmech.analyses.remarks import speed_with_unit
 from flexmech.analyses.response.agreement import best_known, errors_of, quantities_of
 from flexmech.analyses.response.measurements import deflections, peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual import LEAST_SAMPLES, edges, rests
 from flexmech.analyses.response.standing_modes import StandingModes
+from flexmech.analyses.schema import Values
+from flexmech.analyses.summary import Aspect
 from flexmech.linear_system import Engine
-from flexmech.linkages import ConstantSpeed, MotorRun, TableDrive
+from flexmech.linkages import ConstantSpeed, MotorRun
 from flexmech.time_domain import Trajectory
 
 
-def law_variables(engine: Engine, request: ResponseRequest) -> xr.Dataset:
+def law_of_run(engine: Engine, request: ResponseRequest) -> Values:
     """Speed and acceleration of the crank over time, and what its shaft's own inertia takes.
 
     Parameters
@@ -29,25 +30,18 @@ def law_variables(engine: Engine, request: ResponseRequest) -> xr.Dataset:
 
     Returns
     -------
-    xarray.Dataset
+    dict
         Empty of a run at constant speed.
     """
     drive, time = request.drive, request.sample_time()
     if drive.is_constant:
-        return xr.Dataset()
-    acceleration = drive.crank_acceleration(time)
-    found = xr.Dataset(
-        {
-            "crank_speed_over_time": ("time", drive.crank_speed(time)),
-            "crank_acceleration": ("time", acceleration),
-        }
-    )
+        return {}
     # Of a free shaft the driving torque is what the shaft is given, its inertia's share included.
-    if (inertia := engine.mechanism.shaft_inertia) and engine.shaft == "prescribed":
-        found["shaft_inertia_torque"] = "time", inertia * acceleration
-    if not isinstance(drive, MotorRun):
-        return found
-    return found.merge(settled_variables(drive, engine.mechanism))
+    inertia = engine.mechanism.shaft_inertia if engine.shaft == "prescribed" else 0.0
+    values: Values = {**law_values(drive, time, inertia)}
+    if isinstance(drive, MotorRun):
+        values |= settled_values(drive, engine.mechanism)
+    return values
 
 
 def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
@@ -65,9 +59,7 @@ def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
     drive = request.drive
     if isinstance(drive, ConstantSpeed) or drive.is_constant:
         return {"crank_speed": drive.speed}
-    told: dict[str, str | float] = {"crank_speed": drive.greatest_speed, "drive": drive.words}
-    if isinstance(drive, TableDrive):
-        told["drive_note"] = drive.spline_words
+    told = {"crank_speed": drive.greatest_speed, **law_attributes(drive)}
     if isinstance(drive, MotorRun):
         told |= motor_attributes(drive)
     return told | {"crank_speed_at_end": drive.speed}
@@ -82,14 +74,11 @@ def spectra_from(request: ResponseRequest) -> float:
     return request.drive.law_time if after >= LEAST_SAMPLES * request.sample_interval else 0.0
 
 
-def driven_variables(
-    engine: Engine, refined: Trajectory, request: ResponseRequest, refinement: int
-) -> xr.Dataset:
-    """Power of the drive, and the vibration that is left after a stop.
+def driven_values(refined: Trajectory, request: ResponseRequest, refinement: int) -> Values:
+    """Power of the drive along a run by a law of motion.
 
     Parameters
     ----------
-    engine : Engine
     refined : Trajectory
         At the refined samples.
     request : ResponseRequest
@@ -98,41 +87,47 @@ def driven_variables(
 
     Returns
     -------
-    xarray.Dataset
+    dict
         Empty of a run at constant speed.
     """
     drive, time = request.drive, refined.time
     if drive.is_constant:
-        return xr.Dataset()
+        return {}
     speed = drive.crank_speed(time)
     if refined.shaft is not None:
         speed = speed + refined.shaft.rate
     power = refined.driving_torque * speed
-    found = xr.Dataset(
-        {
-            "driving_power": ("time", power[::refinement]),
-            "peak_driving_power": float(peaks_between(power[:, None], time)[0][0]),
-        }
-    )
-    # A free shaft does not stop with the law.
-    if refined.shaft is not None or not rests(request):
-        return found
-    return found.merge(_residual(engine, refined, request, refinement))
+    return {
+        "driving_power": power[::refinement],
+        "peak_driving_power": peaks_between(power[:, None], time)[0][0],
+    }
 
 
-def _residual(
+def residual_values(
     engine: Engine, refined: Trajectory, request: ResponseRequest, refinement: int
-) -> xr.Dataset:
-    """The vibration that is left after a stop: edges of each deflection, amplitude of each mode."""
+) -> Values:
+    """The vibration that is left after a stop: edges of each deflection, amplitude of each mode.
+
+    Parameters
+    ----------
+    engine : Engine
+    refined, request, refinement
+        As of :func:`driven_values`.
+
+    Returns
+    -------
+    dict
+        Empty where nothing stops: a free shaft does not stop with the law.
+    """
+    if request.drive.is_constant or refined.shaft is not None or not rests(request):
+        return {}
     begin, sampled = request.drive.law_time, refined.time[::refinement]
     after, shown = refined.time >= begin, sampled >= begin
     time, at = refined.time[after] - begin, sampled[shown] - begin
     # At the stop and at the end of the rest besides the samples that are kept.
     at = np.concatenate([time[:1], at, time[-1:]])
-    bent, modes = (
-        deflections(engine, refined.displacement)[after],
-        StandingModes.of(engine, request),
-    )
+    bent = deflections(engine, refined.displacement)[after]
+    modes = StandingModes.of(engine, request)
     waves = modes.waves(refined, begin)
     period = 1 / float(modes.frequency[0])
     of_links = [
@@ -143,45 +138,16 @@ def _residual(
     amplitude = (upper - lower) / 2
     envelope, middle = np.full((2, len(sampled), bent.shape[1]), np.nan)
     envelope[shown], middle[shown] = amplitude[1:-1], (upper + lower)[1:-1] / 2
-    return xr.Dataset(
-        {
-            "residual_envelope": (("time", "link"), envelope),
-            "residual_middle": (("time", "link"), middle),
-            "residual_amplitude": ("link", amplitude[0]),
-            "residual_amplitude_at_end": ("link", amplitude[-1]),
-            "standing_frequency": ("mode", modes.frequency),
-            "standing_damping_ratio": ("mode", modes.damping_ratio),
-            "modal_amplitude": (("link", "mode"), np.abs(waves)),
-        },
-        coords={"mode": np.arange(1, len(modes.frequency) + 1)},
-    )
-
-
-def driven_columns(data: xr.Dataset) -> Columns:
-    """Columns of the law, the power and the residual vibration for the table of histories.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    dict
-        None of a run at constant speed.
-    """
-    if "driving_power" not in data:
-        return {}
-    columns: Columns = {
-        "crank_speed_rad_s": "crank_speed_over_time",
-        "crank_acceleration_rad_s2": "crank_acceleration",
-        "driving_power_W": "driving_power",
+    return {
+        "residual_envelope": envelope,
+        "residual_middle": middle,
+        "residual_amplitude": amplitude[0],
+        "residual_amplitude_at_end": amplitude[-1],
+        "standing_frequency": modes.frequency,
+        "standing_damping_ratio": modes.damping_ratio,
+        "modal_amplitude": np.abs(waves),
+        "mode": np.arange(1, len(modes.frequency) + 1),
     }
-    if "shaft_inertia_torque" in data:
-        columns["shaft_inertia_torque_Nm"] = "shaft_inertia_torque"
-    if "residual_envelope" in data:
-        columns |= columns_along("{}_residual_envelope_m", data["residual_envelope"], "link")
-    return columns | motor_columns(data)
 
 
 _NAMES = ("residual_amplitude", "residual_amplitude_at_end")
@@ -223,8 +189,8 @@ def residual_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     return tuple(found)
 
 
-def residual_answer(data: xr.Dataset) -> tuple[str, ...]:
-    """How far the link that rings most does after the stop; nothing where nothing stops.
+def residual_aspect(data: xr.Dataset) -> Aspect:
+    """The power that a law of motion takes, and what rings after the stop.
 
     Parameters
     ----------
@@ -233,9 +199,18 @@ def residual_answer(data: xr.Dataset) -> tuple[str, ...]:
 
     Returns
     -------
-    tuple of str
+    Aspect
+        Nothing of a run at constant speed; no answer where that of a shaped law has it.
     """
-    found = residual_numbers(data)
+    if "driving_power" not in data:
+        return Aspect()
+    numbers = residual_numbers(data)
+    answer = () if "shaped_residual_amplitude" in data else _answer(data, numbers)
+    return Aspect(answer, tuple(_lines(data)), numbers=numbers)
+
+
+def _answer(data: xr.Dataset, found: tuple[Quantity, ...]) -> tuple[str, ...]:
+    """How far the link that rings most does after the stop; nothing where nothing stops."""
     ringing = [one for one in found if one.name == _NAMES[0]]
     if not ringing:
         return ()
@@ -245,46 +220,14 @@ def residual_answer(data: xr.Dataset) -> tuple[str, ...]:
     return (f"After the stop the {most.of} rings by {most}, after {rest:.3g} s of rest by {left}.",)
 
 
-def driven_lines(data: xr.Dataset) -> list[str]:
-    """The law, the power that it takes, and what rings after the stop.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    list of str
-        None of a run at constant speed.
-    """
-    if "driving_power" not in data:
-        return []
+def _lines(data: xr.Dataset) -> list[str]:
+    """The power that a law takes, and what rings after the stop."""
     engines = [str(name) for name in data["engine"].values]
-    speed, acceleration = (
-        float(abs(data[name]).max()) for name in ("crank_speed_over_time", "crank_acceleration")
-    )
     powers = ", ".join(
         f"{rounded(float(one), 0.0, 5)} W ({name})"
         for one, name in zip(data["peak_driving_power"].values, engines, strict=True)
     )
-    lines = [
-        f"drive: {data.attrs.get('drive', 'run-up')}; crank speed up to "
-        f"{speed_with_unit(data, speed)}, its acceleration up to {acceleration:.5g} rad/s²",
-        f"peak driving power: {powers}",
-    ]
-    if note := data.attrs.get("drive_note"):
-        lines.append(str(note))
-    if "shaft_inertia_torque" in data:
-        added = data["driving_torque"] + data["shaft_inertia_torque"]
-        torque, power = (
-            float(abs(each).max()) for each in (added, added * data["crank_speed_over_time"])
-        )
-        own = float(abs(data["shaft_inertia_torque"]).max())
-        lines.append(
-            f"drive: the shaft's own inertia takes up to {own:.5g} N m besides the driving torque, "
-            f"together {torque:.5g} N m and {power:.5g} W"
-        )
+    lines = [f"peak driving power: {powers}"]
     if _NAMES[0] not in data:
         if not data.attrs.get("crank_speed_at_end", 1.0) and "shaft_rotation" not in data:
             lines.append("residual vibration: none is seen without a dwell; give one in the drive")

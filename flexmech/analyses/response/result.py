@@ -8,13 +8,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.aspects.law import law_aspect
+from flexmech.analyses.aspects.motor import motor_aspect
 from flexmech.analyses.beam_theory import theory_lines
-from flexmech.analyses.datasets import Columns, columns_along, table_of
-from flexmech.analyses.motor import motor_answer, motor_lines, motor_numbers
 from flexmech.analyses.remarks import drive_words, warnings_of
 from flexmech.analyses.response import answer as answers
 from flexmech.analyses.response import words
@@ -27,30 +26,12 @@ from flexmech.analyses.response.agreement import (
     within_errors,
 )
 from flexmech.analyses.response.dataset import needed
-from flexmech.analyses.response.driven import (
-    driven_columns,
-    driven_lines,
-    residual_answer,
-    residual_numbers,
-)
-from flexmech.analyses.response.pictures import figures_of
-from flexmech.analyses.response.shaking import shaking_lines, shaking_numbers
-from flexmech.analyses.response.shaped_words import (
-    move_table,
-    shaped_answer,
-    shaped_lines,
-    shaped_numbers,
-)
-from flexmech.analyses.response.sprung_frame import (
-    frame_answer,
-    frame_columns,
-    frame_lines,
-    frame_numbers,
-    rotation_warnings,
-)
+from flexmech.analyses.response.driven import residual_aspect
+from flexmech.analyses.response.shaking import shaking_aspect
+from flexmech.analyses.response.shaped_words import amplitudes_over_move_time, shaped_aspect
+from flexmech.analyses.response.sprung_frame import frame_aspect
 from flexmech.analyses.result import Result
-from flexmech.analyses.shaking import harmonics_table, shaking_columns
-from flexmech.analyses.summary import Summary
+from flexmech.analyses.summary import Aspect, Summary
 from flexmech.arrays import ROUND_OFF, LabelledProgress, silent
 from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
@@ -80,25 +61,7 @@ class Response(Result):
     stem = "response"
     subject = "running response"
     hallmark = "deflection"
-    files = (
-        "response.csv",
-        "running_shaking_harmonics.csv",
-        "response.nc",
-        "response.png",
-        "forces.png",
-        "running_shaking_force.png",
-        "running_shaking_orders.png",
-        "running_law.png",
-        "running_motor.png",
-        "residual.png",
-        "residual_over_move_time.csv",
-        "residual_over_move_time.png",
-        "shaped_law.png",
-        "frame.png",
-        "spectrum.png",
-        "spectrogram.png",
-        *_ANIMATIONS,
-    )
+    files = _ANIMATIONS
 
     def peaks(self) -> xr.Dataset:
         """Greatest deflection, strain and stress of each link, torque and joint forces.
@@ -239,43 +202,25 @@ class Response(Result):
             kept, folder, figures=figures, formats=formats, width=width, command_line=command_line
         )
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """Histories, one row for each engine and sample; harmonics of the shaking force."""
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with deflections by where they are read, and forces of pins between links."""
         data = self.dataset
         pinned, clamped = (data.sel(link=data["probe"] == at) for at in ("middle", "tip"))
-        columns: Columns = {
-            "engine": "engine",
-            "time_s": "time",
-            "crank_angle_deg": "crank_angle",
-            **columns_along("{}_mid_deflection_m", pinned["deflection"], "link"),
-            **columns_along("{}_tip_deflection_m", clamped["deflection"], "link"),
-            **columns_along("{}_mid_strain", pinned["strain"], "link"),
-            "driving_torque_Nm": "driving_torque",
-        }
-        if "shaft_rotation" in data:
-            columns["shaft_rotation_deg"] = "shaft_rotation"
-            columns["crank_speed_fluctuation_rad_s"] = "crank_speed_fluctuation"
-        columns |= driven_columns(data)
-        for joint in self.pins:
-            force = data["joint_force"].sel(joint=joint)
-            columns |= columns_along(f"pin_{joint}_{{}}_N", force, "component")
-        columns |= shaking_columns(data) | frame_columns(data)
-        tables = {self.stem: table_of(data, ("engine", "time"), columns)}
-        if "order" in data:
-            tables["running_shaking_harmonics"] = harmonics_table(data, "engine")
-        if "move_amplitude" in data:
-            tables["residual_over_move_time"] = move_table(data)
-        return tables
+        force = data["joint_force"].sel(joint=self.pins).stack(pin=("joint", "component"))
+        names = [f"{joint}_{axis}" for joint, axis in force["pin"].values]
+        found = data.assign(
+            deflection_in_middle=_renamed(pinned["deflection"], "pinned"),
+            deflection_of_tip=_renamed(clamped["deflection"], "clamped"),
+            strain_in_middle=_renamed(pinned["strain"], "pinned"),
+            force_of_pin=force.drop_vars(["pin", "joint", "component"]).assign_coords(pin=names),
+        )
+        return found.merge(amplitudes_over_move_time(data)) if "move_amplitude" in data else found
 
     @property
     def pins(self) -> list[str]:
         """Joints between links, without those to the ground or the shaft."""
         data = self.dataset
         return [str(joint) for joint in data["joint"][data["joint_kind"] == "pin"].values]
-
-    def figures(self) -> dict[str, Figure]:
-        """Histories, forces and spectra; see :mod:`flexmech.plots`."""
-        return figures_of(self.dataset)
 
     def plot(
         self,
@@ -332,53 +277,31 @@ class Response(Result):
     def summary(self) -> Summary:
         """How far links bend, what pins carry and the shaft needs; what that rests on."""
         data, peaks, agreement = self.dataset, self.peaks(), self.agreement()
+        forces, start = self.force_agreement(), float(data["crank_angle"][0])
         title = f"peaks {drive_words(data.attrs)}, {data.attrs['mechanism']}"
         trusted = representative(agreement, data)
-        forces, shaped = self.force_agreement(), shaped_answer(data)
-        table = words.peak_table(
-            peaks, float(data["crank_angle"][0]), title, trusted, self._peak_errors()
+        bending = Aspect(
+            answers.answer(data),
+            (*theory_lines(data.attrs), *words.check_lines(data), *words.load_lines(peaks, data)),
+            answers.yielding(data),
+            answers.numbers(data),
         )
-        details = (
-            *theory_lines(data.attrs),
-            *words.check_lines(data),
-            *words.load_lines(peaks, data),
-            *driven_lines(data),
-            *motor_lines(data),
-            *shaped_lines(data),
-            *shaking_lines(data),
-            *frame_lines(data),
-            *words.stress_lines(data),
-            *words.shaft_lines(data),
-            *words.spectrogram_lines(data),
-            *(line.said for line in force_agreement_lines(forces, data)),
-            *data.attrs["environment_lines"].splitlines(),
-            agreement_line(agreement, data).said,
-        )
-        return Summary(
-            (
-                *shaped,
-                *motor_answer(data),
-                *answers.answer(data),
-                *frame_answer(data),
-                *(() if shaped else residual_answer(data)),
+        known = Aspect(
+            details=(
+                *words.stress_lines(data),
+                *words.shaft_lines(data),
+                *words.spectrogram_lines(data),
+                *(line.said for line in force_agreement_lines(forces, data)),
+                *data.attrs["environment_lines"].splitlines(),
+                agreement_line(agreement, data).said,
             ),
-            table,
+            warnings=(*answers.disagreement(data, agreement, forces), *warnings_of(data.attrs)),
+        )
+        of_run = (shaking_aspect, frame_aspect, law_aspect, residual_aspect, shaped_aspect)
+        return Summary.of(
+            (bending, *(aspect(data) for aspect in of_run), motor_aspect(data), known),
+            words.peak_table(peaks, start, title, trusted, self._peak_errors()),
             answers.trust(data, agreement, forces),
-            details,
-            (
-                *answers.yielding(data),
-                *rotation_warnings(data),
-                *answers.disagreement(data, agreement, forces),
-                *warnings_of(data.attrs),
-            ),
-            (
-                *answers.numbers(data),
-                *shaking_numbers(data),
-                *frame_numbers(data),
-                *residual_numbers(data),
-                *shaped_numbers(data),
-                *motor_numbers(data),
-            ),
         )
 
     def _peak_errors(self) -> xr.Dataset:
@@ -389,3 +312,8 @@ class Response(Result):
             apart = (abs(peaks - peaks.isel(engine=0)).max("engine") / peaks).fillna(0.0)
             errors[name] = estimated.where(estimated > apart, apart)
         return xr.Dataset(errors)
+
+
+def _renamed(values: xr.DataArray, dim: str) -> xr.DataArray:
+    """Values of some links, over a dimension of these."""
+    return values.drop_vars(set(values.coords) - set(values.dims)).rename(link=dim)

@@ -7,16 +7,17 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.digits import Quantity, rounded
-from flexmech.analyses.response.agreement import errors_of
-from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.shaking import (
-    harmonic_variables,
+from flexmech.analyses.aspects.shaking import (
+    harmonic_values,
     harmonics_line,
     point_text,
     shaking_of,
-    shaking_variables,
 )
+from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.response.agreement import errors_of
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.schema import Values
+from flexmech.analyses.summary import Aspect
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion, continuous_angles
@@ -27,7 +28,7 @@ from flexmech.time_domain import Trajectory
 
 def running_shaking(
     engine: Engine, trajectory: Trajectory, carried: RigidMotion, request: ResponseRequest
-) -> xr.Dataset:
+) -> Values:
     """Shaking force and moment along a run of elastic links, and harmonics of its last turn.
 
     By the joint forces of the run, as far as its band lets them through, and the springs to the
@@ -44,7 +45,7 @@ def running_shaking(
 
     Returns
     -------
-    xarray.Dataset
+    dict
     """
     mechanism = engine.mechanism
     turning = any(spring.torsional_stiffness for spring in mechanism.joint_springs)
@@ -63,10 +64,10 @@ def running_shaking(
         angles=continuous_angles(mechanism.linkage, carried) if turning else None,
         moved=_moved(engine, trajectory, carried),
     )
-    return _labelled(found, trajectory.time, request)
+    return _values(found, trajectory.time, request)
 
 
-def rigid_shaking(engine: Engine, motion: RigidMotion, request: ResponseRequest) -> xr.Dataset:
+def rigid_shaking(engine: Engine, motion: RigidMotion, request: ResponseRequest) -> Values:
     """The same if the links were rigid, with names that begin with ``rigid_``.
 
     Parameters
@@ -78,15 +79,15 @@ def rigid_shaking(engine: Engine, motion: RigidMotion, request: ResponseRequest)
 
     Returns
     -------
-    xarray.Dataset
+    dict
         With ``moment_point`` (component).
     """
     mechanism, time = engine.mechanism, request.sample_time()
     forces = mechanism.inverse_dynamics(motion, time)
     shaft = _shaft_torque(engine, time, request)
     found = shaking_of(mechanism, forces, request.moment_point, shaft)
-    dataset = _labelled(found, time, request, "rigid_")
-    return dataset.assign(moment_point=("component", np.array(found.point)))
+    values = _values(found, time, request, "rigid_")
+    return {**values, "moment_point": np.array(found.point)}
 
 
 def _shaft_torque(engine: Engine, time: FloatArray, request: ResponseRequest) -> FloatArray:
@@ -95,17 +96,17 @@ def _shaft_torque(engine: Engine, time: FloatArray, request: ResponseRequest) ->
     return np.asarray(inertia * request.drive.crank_acceleration(time))
 
 
-def _labelled(
+def _values(
     found: ShakingForce, time: FloatArray, request: ResponseRequest, prefix: str = ""
-) -> xr.Dataset:
-    variables = shaking_variables(found, "time", prefix)
+) -> Values:
+    values = {f"{prefix}shaking_force": found.force, f"{prefix}shaking_moment": found.moment}
     last = slice(-request.samples, None)
     whole = len(time) > request.samples and time[last][0] > request.drive.law_time
     if request.drive.turns_on and whole:
         turn = ShakingForce(found.force[last], found.moment[last], found.point)
         angle = request.drive.crank_angle(time[last])
-        variables |= harmonic_variables(turn, angle, prefix)
-    return xr.Dataset(variables)
+        values |= harmonic_values(turn, angle, prefix)
+    return values
 
 
 def _moved(engine: Engine, trajectory: Trajectory, motion: RigidMotion) -> Moved:
@@ -129,8 +130,8 @@ def _moved(engine: Engine, trajectory: Trajectory, motion: RigidMotion) -> Moved
     return moved
 
 
-def shaking_lines(data: xr.Dataset) -> list[str]:
-    """Greatest shaking force and moment of each engine and of rigid links, and their harmonics.
+def shaking_aspect(data: xr.Dataset) -> Aspect:
+    """What shakes the frame along a run: peaks and harmonics.
 
     Parameters
     ----------
@@ -139,13 +140,15 @@ def shaking_lines(data: xr.Dataset) -> list[str]:
 
     Returns
     -------
-    list of str
-        None of an earlier version's file.
+    Aspect
     """
-    if "shaking_force" not in data:
-        return []
+    return Aspect(details=tuple(_lines(data)), numbers=_numbers(data))
+
+
+def _lines(data: xr.Dataset) -> list[str]:
+    """Greatest shaking force and moment of each engine and of rigid links, and their harmonics."""
     engines = [str(name) for name in data["engine"].values]
-    errors = force_errors(data)
+    errors = _force_errors(data)
 
     def told(what: str, values: Iterable[tuple[float, float]], unit: str, rigid: float) -> str:
         pairs = zip(values, engines, strict=True)
@@ -154,8 +157,8 @@ def shaking_lines(data: xr.Dataset) -> list[str]:
         )
         return f"{what}: {shown}, {rigid:.4g} {unit} (rigid links)"
 
-    force, moment = (peaks(data, name).values.tolist() for name in _NAMES)
-    rigid_force, rigid_moment = (float(peaks(data, f"rigid_{name}")) for name in _NAMES)
+    force, moment = (_peaks(data, name).values.tolist() for name in _NAMES)
+    rigid_force, rigid_moment = (float(_peaks(data, f"rigid_{name}")) for name in _NAMES)
     unknown = [float("nan")] * len(engines)
     lines = [
         told("peak shaking force", zip(force, errors, strict=True), "N", rigid_force),
@@ -175,60 +178,24 @@ def shaking_lines(data: xr.Dataset) -> list[str]:
 _NAMES = ("shaking_force", "shaking_moment")
 
 
-def peaks(data: xr.Dataset, name: str) -> xr.DataArray:
-    """Greatest size of a shaking force or moment over the samples.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-    name : str
-
-    Returns
-    -------
-    xarray.DataArray
-        Over (engine), or a single number of rigid links.
-    """
+def _peaks(data: xr.Dataset, name: str) -> xr.DataArray:
+    """Greatest size of a shaking force or moment over the samples."""
     values = data[name]
     size = (values**2).sum("component") ** 0.5 if "component" in values.dims else abs(values)
     return size.max("time")
 
 
-def force_errors(data: xr.Dataset) -> list[float]:
-    """Errors of the peak shaking force: those of the peaks at the joints to the frame, summed.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    list of float
-        Of each engine, in N.
-    """
+def _force_errors(data: xr.Dataset) -> list[float]:
+    """Error in N of each engine's peak shaking force: errors at the joints to the frame, summed."""
     on_frame = np.isin(data["force_by"].values, ["shaft", "ground"])
     own = errors_of(data)["peak_joint_force"] * data["peak_joint_force"]
     return [float(each) for each in own.isel(joint=on_frame).sum("joint").values]
 
 
-def shaking_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
-    """Peak shaking force and moment of the first engine, for programs.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    tuple of Quantity
-        None of an earlier version's file.
-    """
-    if "shaking_force" not in data:
-        return ()
-    force, moment = (float(peaks(data, name)[0]) for name in _NAMES)
+def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Peak shaking force and moment of the first engine."""
+    force, moment = (float(_peaks(data, name)[0]) for name in _NAMES)
     return (
-        Quantity("peak_shaking_force", force, "N", force_errors(data)[0], "frame"),
+        Quantity("peak_shaking_force", force, "N", _force_errors(data)[0], "frame"),
         Quantity("peak_shaking_moment", moment, "N m", of="frame"),
     )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.response.agreement import best_known, quantities_of
 from flexmech.analyses.response.driven import residual_numbers
 from flexmech.analyses.response.move_curves import TIMES_PER_PERIOD
+from flexmech.analyses.summary import Aspect
 from flexmech.model_text import quantity
 from flexmech.units import TIME
 
@@ -19,10 +19,8 @@ _NAME = "shaped_residual_amplitude"
 _TOLD = 0.02
 
 
-def shaped_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
-    """Residual amplitude of each link after the shaped law, and by how much it is longer.
-
-    Of the engine whose errors are the smaller; the difference of two engines is an error too.
+def shaped_aspect(data: xr.Dataset) -> Aspect:
+    """What a shaper leaves of the residual vibration, and how that goes with the time of a move.
 
     Parameters
     ----------
@@ -31,11 +29,18 @@ def shaped_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
 
     Returns
     -------
-    tuple of Quantity
-        None of a run without a shaper.
+    Aspect
+        Nothing of a run without a shaper and without times of a move.
     """
+    chart = _chart_lines(data) if "move_amplitude" in data else []
     if _NAME not in data:
-        return ()
+        return Aspect(details=tuple(chart))
+    numbers = _numbers(data)
+    return Aspect(_answer(data, numbers), (*_lines(data), *chart), numbers=numbers, leads=True)
+
+
+def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Residual amplitude of each link after the shaped law, and by how much it is longer."""
     errors = data["shaped_residual_error"]
     place, bent = best_known(errors), {"link": data["peak_deflection"].max("engine") > 0}
     found = [Quantity("shaper_delay", _MS * float(data.attrs["shaper_delay"]), "ms", 0.0)]
@@ -44,22 +49,9 @@ def shaped_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     return tuple(found)
 
 
-def shaped_answer(data: xr.Dataset) -> tuple[str, ...]:
-    """How far the link that rings most does after both laws, and by how much one is longer.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    tuple of str
-        None of a run without a shaper.
-    """
-    found = [one for one in shaped_numbers(data) if one.name == _NAME]
-    if not found:
-        return ()
+def _answer(data: xr.Dataset, numbers: tuple[Quantity, ...]) -> tuple[str, ...]:
+    """How far the link that rings most does after both laws, and by how much one is longer."""
+    found = [one for one in numbers if one.name == _NAME]
     plain = [one for one in residual_numbers(data) if one.name == "residual_amplitude"]
     before = max(plain, key=lambda one: one.value)
     after = next(one for one in found if one.of == before.of)
@@ -74,30 +66,12 @@ def shaped_answer(data: xr.Dataset) -> tuple[str, ...]:
     )
 
 
-def shaped_lines(data: xr.Dataset) -> list[str]:
-    """The shaper, how to state it in a model file, and what the shaped law does.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    list of str
-        None of a run without a shaper and without times of a move.
-    """
-    lines = list[str]()
-    if _NAME in data:
-        lines += [
-            f"{data.attrs['shaper']} for {data.attrs['shaper_modes']}",
-            _impulses(data),
-        ]
-        for name in map(str, data["engine"].values):
-            own = data.sel(engine=name)
-            lines += [_residual_line(own, name), _modes_line(own, name), _peaks_line(own, name)]
-    if "move_amplitude" in data:
-        lines += _chart_lines(data)
+def _lines(data: xr.Dataset) -> list[str]:
+    """The shaper, how to state it in a model file, and what the shaped law does."""
+    lines = [f"{data.attrs['shaper']} for {data.attrs['shaper_modes']}", _impulses(data)]
+    for name in map(str, data["engine"].values):
+        own = data.sel(engine=name)
+        lines += [_residual_line(own, name), _modes_line(own, name), _peaks_line(own, name)]
     return lines
 
 
@@ -211,8 +185,8 @@ def _unresolved_text(data: xr.Dataset, modes: list[int]) -> str:
     )
 
 
-def move_table(data: xr.Dataset) -> pd.DataFrame:
-    """Amplitude of each mode after the stop over the time of a move.
+def amplitudes_over_move_time(data: xr.Dataset) -> xr.Dataset:
+    """Amplitude of each mode after the stop over the time of a move, for a table.
 
     Parameters
     ----------
@@ -221,32 +195,15 @@ def move_table(data: xr.Dataset) -> pd.DataFrame:
 
     Returns
     -------
-    pandas.DataFrame
-        One row for each law, time, way of computing and mode.
+    xarray.Dataset
+        ``amplitude_over_move_time`` over (computed_by, law, move_time, link, mode), by equations in
+        link frames and by engines, and ``whole_time`` until the stop, NaN where none is computed.
     """
-    parts = [_rows(data, data["move_amplitude"], "move_time", "equations in link frames")]
+    found = data["move_amplitude"].expand_dims(computed_by=["equations in link frames"])
     if "simulated_move_amplitude" in data:
-        for name in data["simulating_engine"].values:
-            own = data["simulated_move_amplitude"].sel(simulating_engine=name, drop=True)
-            parts.append(_rows(data, own, "simulated_move_time", str(name)))
-    return pd.concat(parts, ignore_index=True)
-
-
-def _rows(data: xr.Dataset, values: xr.DataArray, over: str, by: str) -> pd.DataFrame:
-    law, time, mode = np.meshgrid(
-        values["law"].values, values[over].values, values["mode"].values, indexing="ij"
-    )
-    whole = data["whole_move_time"].sel(move_time=values[over].values).values
-    frequency = data["move_frequency"].values
-    columns = {
-        "law": law.reshape(-1),
-        "computed_by": by,
-        "move_time_s": time.reshape(-1),
-        "whole_time_s": np.broadcast_to(whole[..., None], law.shape).reshape(-1),
-        "mode": mode.reshape(-1),
-        "frequency_Hz": np.broadcast_to(frequency, law.shape).reshape(-1),
-    }
-    for link in values["link"].values:
-        amplitude = values.sel(link=link, drop=True).transpose("law", over, "mode").values
-        columns[f"{link}_amplitude_m"] = amplitude.reshape(-1)
-    return pd.DataFrame(columns)
+        names = {"simulating_engine": "computed_by", "simulated_move_time": "move_time"}
+        simulated = data["simulated_move_amplitude"].rename(names)
+        found = xr.concat([found, simulated], "computed_by", join="outer")
+    known = found.notnull().any(["link", "mode"])
+    whole = data["whole_move_time"].where(known)
+    return xr.Dataset({"amplitude_over_move_time": found, "whole_time": whole})

@@ -9,9 +9,11 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.datasets import DEGREES, Columns, columns_along
+from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity
 from flexmech.analyses.response.agreement import CAUSES, quantities_of
+from flexmech.analyses.schema import Values
+from flexmech.analyses.summary import Aspect
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
@@ -88,7 +90,7 @@ def _derivative(rate: FloatArray, time: FloatArray) -> FloatArray:
     return np.asarray(CubicSpline(time, rate, axis=0)(time, 1), dtype=float)
 
 
-def frame_variables(engine: Engine, trajectory: Trajectory, refined: Trajectory) -> xr.Dataset:
+def frame_values(engine: Engine, trajectory: Trajectory, refined: Trajectory) -> Values:
     """Motion of a frame on springs, force on the floor, and their peaks.
 
     Parameters
@@ -101,23 +103,21 @@ def frame_variables(engine: Engine, trajectory: Trajectory, refined: Trajectory)
 
     Returns
     -------
-    xarray.Dataset
+    dict
         Empty where the frame stands.
     """
     frame, moved, every = engine.mechanism.frame, trajectory.frame, refined.frame
     if frame is None or moved is None or every is None:
-        return xr.Dataset()
-    peaks = every.displacement, _floor_force(frame, every)
-    return xr.Dataset(
-        {
-            "frame_displacement": (("time", "component"), moved.displacement[:, :2]),
-            "frame_rotation": ("time", moved.displacement[:, 2]),
-            "floor_force": (("time", "component"), _floor_force(frame, moved)),
-            "peak_frame_displacement": float(np.hypot(*peaks[0][:, :2].T).max()),
-            "peak_frame_rotation": float(np.abs(peaks[0][:, 2]).max()),
-            "peak_floor_force": float(np.hypot(*peaks[1].T).max()),
-        }
-    )
+        return {}
+    force, greatest = _floor_force(frame, moved), _floor_force(frame, every)
+    return {
+        "frame_displacement": moved.displacement[:, :2],
+        "frame_rotation": moved.displacement[:, 2],
+        "floor_force": force,
+        "peak_frame_displacement": np.hypot(*every.displacement[:, :2].T).max(),
+        "peak_frame_rotation": np.abs(every.displacement[:, 2]).max(),
+        "peak_floor_force": np.hypot(*greatest.T).max(),
+    }
 
 
 def rotation_error(engine: Engine, trajectory: Trajectory) -> float:
@@ -151,14 +151,28 @@ def rotation_error(engine: Engine, trajectory: Trajectory) -> float:
     return turned
 
 
-def rotation_warnings(dataset: xr.Dataset) -> Sequence[str]:
-    """What to do where a frame turns further than linear equations tell well; or nothing.
+def frame_aspect(dataset: xr.Dataset) -> Aspect:
+    """How a frame on springs moves, and what its springs put on the floor.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Of a response.
+
+    Returns
+    -------
+    Aspect
+        Nothing where the frame stands. An error is that by step, component modes, mesh and
+        rotation, or the difference of two engines where that is more.
     """
+    if "frame_rotation" not in dataset:
+        return Aspect()
+    numbers = _numbers(dataset)
+    return Aspect(_answer(numbers), _lines(dataset), _warnings(dataset), numbers)
+
+
+def _warnings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """What to do where a frame turns further than linear equations tell well."""
     errors = dataset.get("rotation_error")
     if errors is None or float(errors.max()) <= _WORTH_A_WARNING:
         return ()
@@ -176,24 +190,9 @@ def _floor_force(frame: SprungFrame, moved: FrameMotion) -> FloatArray:
     return np.asarray(force[:, :2])
 
 
-def frame_numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
-    """Greatest displacement and rotation of a frame on springs, and force on the floor.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    tuple of Quantity
-        ``peak_frame_displacement``, ``peak_frame_rotation`` and ``peak_floor_force``; of the engine
-        whose errors are the smaller. The error is that by step, component modes, mesh and rotation,
-        or the difference of two engines where that is more. None where the frame stands.
-    """
+def _numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
+    """Greatest displacement, rotation and floor force, of the engine whose errors are least."""
     found = list[Quantity]()
-    if "frame_rotation" not in dataset:
-        return ()
     causes = (f"{cause}_error_of_peak_frame" for cause in CAUSES)
     known = sum((dataset[cause] for cause in causes if cause in dataset), xr.DataArray(0.0))
     place = int(known.argmin("engine"))
@@ -203,20 +202,9 @@ def frame_numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
     return tuple(one for one in found if math.isfinite(one.value) and one.value)
 
 
-def frame_answer(dataset: xr.Dataset) -> tuple[str, ...]:
-    """How far a frame on springs moves, and what its springs put on the floor.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    tuple of str
-        None where the frame stands.
-    """
-    told = {one.name.removeprefix("peak_"): one for one in frame_numbers(dataset)}
+def _answer(numbers: Sequence[Quantity]) -> tuple[str, ...]:
+    """How far a frame on springs moves, and what its springs put on the floor."""
+    told = {one.name.removeprefix("peak_"): one for one in numbers}
     said = {
         "frame_displacement": "moves by at most {}",
         "frame_rotation": "turns by at most {}",
@@ -229,21 +217,8 @@ def frame_answer(dataset: xr.Dataset) -> tuple[str, ...]:
     return (f"The frame {' and '.join(before)}; {last}." if before else f"Of the frame {last}.",)
 
 
-def frame_lines(dataset: xr.Dataset) -> list[str]:
-    """Where the frame's natural frequencies are, and how its force on the floor compares.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    list of str
-        None where the frame stands.
-    """
-    if "floor_force" not in dataset:
-        return []
+def _lines(dataset: xr.Dataset) -> tuple[str, ...]:
+    """How the shaking force compares with that on the floor."""
     shaking = (dataset["shaking_force"] ** 2).sum("component") ** 0.5
     pairs = zip(
         dataset["engine"].values,
@@ -252,24 +227,7 @@ def frame_lines(dataset: xr.Dataset) -> list[str]:
         strict=True,
     )
     told = (f"{force:.4g} N by {floor:.4g} N ({engine})" for engine, force, floor in pairs)
-    return [
+    return (
         "frame: on springs; the greatest shaking force on it is answered on the floor: "
-        f"{', '.join(told)}; joint forces and the shaking force are in ground axes"
-    ]
-
-
-def frame_columns(dataset: xr.Dataset) -> Columns:
-    """Columns of a table for a frame on springs; none where it stands.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a response.
-    """
-    if "frame_displacement" not in dataset:
-        return {}
-    return {
-        **columns_along("frame_{}_m", dataset["frame_displacement"], "component"),
-        "frame_rotation_deg": "frame_rotation",
-        **columns_along("floor_force_{}_N", dataset["floor_force"], "component"),
-    }
+        f"{', '.join(told)}; joint forces and the shaking force are in ground axes",
+    )

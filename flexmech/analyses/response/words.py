@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 import xarray as xr
 
@@ -78,57 +76,53 @@ def peak_table(
     return Table(title, headings, groups, text_columns=3)
 
 
-def check_lines(dataset: xr.Dataset) -> list[str]:
-    """Report how far the run may be trusted: energy, constraints, time step and mesh."""
+# Causes of errors, in words.
+_CAUSES = {
+    "step": "time step",
+    "reduction": "component modes",
+    "mesh": "mesh",
+    "rotation": "frame rotation",
+}
+_OF_FORCES = {
+    "force": "forces",
+    "peak_force": "their peaks",
+    "torque": "torque",
+    "peak_torque": "its peak",
+}
+
+
+def check_lines(dataset: xr.Dataset) -> tuple[Table | str, ...]:
+    """Report how far the run may be trusted: energy, constraints, and errors by their causes."""
     energy = listed(dataset["energy_error"])
-    lines = [
+    return (
         f"energy balance: off by at most {energy} of the peak kinetic energy",
         f"constraint drift: at most {listed(dataset['constraint_drift'], '{:.1e} m')}",
         f"time step: {listed(dataset['step'], '{:.4g} s')}",
-        _deflection_errors(dataset, "step", "error by the time step (estimated)"),
-        _force_errors(dataset, "step", "error of forces by the time step (estimated)"),
-    ]
-    reduced = dataset.sel(engine=dataset["reduction_error"] > 0)
-    if reduced.sizes["engine"]:
-        label = "component modes: twice the detail changes deflections"
-        lines += [
-            _deflection_errors(reduced, "reduction", label),
-            _force_errors(reduced, "reduction", "component modes: twice the detail changes forces"),
-        ]
-    if "mesh_error" in dataset:
-        lines += [
-            _deflection_errors(dataset, "mesh", "mesh: twice the elements change deflections"),
-            _force_errors(dataset, "mesh", "mesh: twice the elements change forces"),
-        ]
-    return lines
+        _error_table(dataset),
+    )
 
 
-def _deflection_errors(dataset: xr.Dataset, cause: str, label: str) -> str:
-    """Errors of deflections by one cause, of each link that deflects over its own peak."""
+def _error_table(dataset: xr.Dataset) -> Table:
+    """Errors by each cause: of each link that deflects, and of the joint that is off most."""
     bent = (dataset["peak_deflection"] > 0).any("engine")
-    errors = dataset[f"{cause}_error_of_deflection"]
-    errors = errors.sel(link=bent) if bent.any() else errors
-    listed_errors = "; ".join(
-        f"{listed(errors.sel(engine=engine))}, {engine}" for engine in errors["engine"].values
+    links = dataset["link"].values[bent.values] if bent.any() else dataset["link"].values
+    groups = []
+    for cause, words in _CAUSES.items():
+        # Links that are not reduced have no component modes.
+        known = dataset.get(f"{cause}_error", xr.zeros_like(dataset["step"])) > 0
+        rows = []
+        for engine in dataset["engine"].values[known.values]:
+            own = dataset.sel(engine=engine)
+            errors = [*own[f"{cause}_error_of_deflection"].sel(link=links).values]
+            errors += [own[f"{cause}_error_of_{name}"].max() for name in _OF_FORCES]
+            rows.append((words, str(engine), *(f"{float(error):.1e}" for error in errors)))
+        groups.append(tuple(rows))
+    return Table(
+        "estimated errors of deflections, joint forces and torque, over their peaks",
+        ("by", "engine", *map(str, links), *_OF_FORCES.values()),
+        tuple(filter(None, groups)),
+        text_columns=2,
     )
-    return f"{label}, of the link's peak: {listed_errors}"
-
-
-def _force_errors(dataset: xr.Dataset, cause: str, label: str) -> str:
-    """Errors of joint forces and torque by one cause; of the joint that is off most."""
-
-    def error(of: str) -> str:
-        return listed(_greatest(dataset[f"{cause}_error_of_{of}"]))
-
-    return (
-        f"{label}, of the peak: joint forces {error('force')}, their peaks {error('peak_force')}; "
-        f"torque {error('torque')}, its peak {error('peak_torque')}"
-    )
-
-
-def _greatest(errors: xr.DataArray) -> xr.DataArray:
-    """Over engine."""
-    return errors.max([name for name in errors.dims if name != "engine"])
 
 
 def shaft_lines(data: xr.Dataset) -> list[str]:
@@ -186,7 +180,7 @@ def stress_lines(dataset: xr.Dataset) -> list[str]:
     return [f"{line}; not known of {', '.join(without)}" if without else line]
 
 
-def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
+def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> tuple[Table | str, ...]:
     """Report the peaks of the driving torque and the joint forces, next to rigid links'.
 
     Parameters
@@ -198,42 +192,35 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
 
     Returns
     -------
-    list of str
+    tuple of str or Table
     """
+    engines, errors = [str(engine) for engine in data["engine"].values], errors_of(data)
+
+    def told(name: str) -> xr.DataArray:
+        own, error = peaks[name], errors[f"peak_{name}"] * peaks[name]
+        texts = np.vectorize(rounded, otypes=[object])(own.values, error.values)
+        return own.copy(data=texts)
+
+    force, torque = told("joint_force"), told("driving_torque")
     rigid_torque = float(abs(data["rigid_driving_torque"]).max())
     rigid_force = np.hypot(*np.moveaxis(data["rigid_joint_force"].values, -1, 0)).max(axis=0)
-    engines = [str(engine) for engine in data["engine"].values]
-    errors = errors_of(data)
-
-    def forces(engine: str) -> str:
-        own = peaks["joint_force"].sel(engine=engine).values
-        error = errors["peak_joint_force"].sel(engine=engine).values
-        return line(
-            [rounded(one, one * part) for one, part in zip(own, error, strict=True)], engine
-        )
-
-    def line(texts: Iterable[str], name: str) -> str:
-        pairs = zip(data["joint"].values, texts, strict=True)
-        shown = ", ".join(f"{joint} {force}" for joint, force in pairs)
-        return f"peak joint forces: {shown} N ({name})"
-
-    sides = zip(*(data[name].values for name in ("joint", "force_by", "force_on")), strict=True)
-    acting = ", ".join(f"{joint} of the {by} on the {on}" for joint, by, on in sides)
-
-    def torque(engine: str) -> str:
-        own = peaks["driving_torque"].sel(engine=engine)
-        error = errors["peak_driving_torque"].sel(engine=engine)
-        return f"{rounded(float(own), float(own * error))} N m ({engine})"
-
-    torques = ", ".join(map(torque, engines))
-    return [
+    sides = (data[name].values.tolist() for name in ("joint", "force_by", "force_on"))
+    rows = (
+        (*side, *force.isel(joint=number).values, f"{rigid_force[number]:.4g}")
+        for number, side in enumerate(zip(*sides, strict=True))
+    )
+    torques = (f"{own} N m ({name})" for own, name in zip(torque.values, engines, strict=True))
+    return (
         f"forces and torque of elastic links count up to {data.attrs['force_band']:.4g} Hz, half "
         "the lowest frequency at which the links vibrate along themselves",
-        f"joint forces: {acting}",
-        f"peak driving torque: {torques}, {rigid_torque:.4g} N m (rigid links)",
-        *map(forces, engines),
-        line([f"{force:.4g}" for force in rigid_force], "rigid links"),
-    ]
+        f"peak driving torque: {', '.join(torques)}, {rigid_torque:.4g} N m (rigid links)",
+        Table(
+            "peak joint forces in N",
+            ("joint", "of", "on", *engines, "rigid links"),
+            (tuple(rows),),
+            text_columns=3,
+        ),
+    )
 
 
 def spectrogram_lines(dataset: xr.Dataset) -> list[str]:

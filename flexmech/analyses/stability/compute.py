@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.crank_speeds import STABILITY, asked_speeds
 from flexmech.analyses.damping_ratios import CountedLoss, with_damping_ratio
-from flexmech.analyses.datasets import with_units
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import Engines, engines_of
 from flexmech.analyses.response.measurements import deflections
@@ -250,4 +249,6 @@ def stability(
     dataset = dataset_of(maps, request).assign_attrs(motion_distance=distance)
     attributes = dataset.attrs | extra.attrs | attributes
     attributes |= left_out_attributes(engines[0].mechanism)
-    return StabilityMap(with_units(dataset.merge(extra), "stability").assign_attrs(attributes))
+    return StabilityMap(
+        StabilityMap.schema().labelled(dataset.merge(extra)).assign_attrs(attributes)
+    )

@@ -12,7 +12,7 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
-from flexmech.analyses.datasets import Columns, table_of
+from flexmech.analyses.datasets import table_of
 from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.stability import answer as answers
@@ -25,40 +25,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-SHAFT = "shaft_growth_rate"
-# Columns of the tables, and their variables.
-GROWTH = {
-    "engine": "engine",
-    "crank_speed_rad_s": "crank_speed",
-    "multiplier_modulus": "multiplier_modulus",
-    "growth_rate_1_s": "growth_rate",
-    "unstable": "unstable",
-}
 AGAINST = {
     "crank_speed_rad_s": "crank_speed",
     "growth_rate_1_s": "against_growth_rate",
     "unstable": "against_unstable",
-}
-MULTIPLIERS = {
-    "engine": "engine",
-    "crank_speed_rad_s": "crank_speed",
-    "number": "multiplier",
-    "modulus": "modulus",
-    "angle_rad": "angle",
-    "damping_ratio": "damping_ratio",
-    "frequency_Hz": "frequency",
-}
-BANDS = {
-    "engine": "band_engine",
-    "from_rad_s": "band_lower",
-    "to_rad_s": "band_upper",
-    "error_rad_s": "band_error",
-    "kind": "band_kind",
-    "branches": "band_branches",
-    "order": "band_order",
-    "largest_growth_rate_1_s": "band_largest_growth_rate",
-    "closing_damping_ratio": "band_closing_damping_ratio",
-    "cut": "band_cut",
 }
 
 
@@ -80,17 +50,7 @@ class StabilityMap(Result):
     stem = "stability"
     subject = "stability map"
     hallmark = "multiplier_modulus"
-    files = (
-        "stability.csv",
-        "multipliers.csv",
-        "bands.csv",
-        "against.csv",
-        "stability.nc",
-        "stability.png",
-        "floquet_frequencies.png",
-        "harmonics.png",
-        "stability_against.png",
-    )
+    files = ("against.csv",)
 
     @property
     def is_interrupted(self) -> bool:
@@ -107,12 +67,7 @@ class StabilityMap(Result):
             ``unstable`` is ``yes``, ``no`` or ``no equilibrium``; ``kind`` and ``branches`` are
             empty outside the bands.
         """
-        data = self.dataset
-        kind, branches = _bands_at(data)
-        shaft = {"shaft_growth_rate_1_s": SHAFT} if SHAFT in data else {}
-        columns: Columns = {**GROWTH, "kind": kind, "branches": branches, **shaft}
-        table = table_of(data, ("engine", "crank_speed"), columns)
-        return table[table["unstable"] != NOT_COMPUTED].reset_index(drop=True)
+        return self.table(self.stem)
 
     def multipliers(self) -> pd.DataFrame:
         """Floquet multipliers, one row for each; speeds without them have none.
@@ -121,10 +76,7 @@ class StabilityMap(Result):
         -------
         pandas.DataFrame
         """
-        data = self.dataset
-        data = data.assign(modulus=np.exp(data["log_modulus"]))
-        table = table_of(data, ("engine", "crank_speed", "multiplier"), MULTIPLIERS)
-        return table.dropna(subset=["modulus"], ignore_index=True)
+        return self.table("multipliers")
 
     def bands(self) -> pd.DataFrame:
         """Unstable bands of crank speeds, one row for each.
@@ -137,15 +89,27 @@ class StabilityMap(Result):
             last equilibrium cuts. ``closing_damping_ratio`` is not a number where none closes the
             band.
         """
+        return self.table("bands")
+
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with bands at crank speeds, moduli, and errors and cuts of bands."""
         data = self.dataset
+        kind, branches = _bands_at(data)
         lower, upper = (
             np.sum([data[f"band_{edge}_{part}_error"].values for part in PARTS], axis=0)
             for edge in EDGES
         )
-        error = ("band", np.fmax(lower, upper))
         ends = zip(data["band_lower_open"].values, data["band_upper_open"].values, strict=True)
         cut = np.array([" ".join(compress(("from", "to"), each)) for each in ends], dtype=str)
-        return table_of(data.assign(band_error=error, band_cut=("band", cut)), ("band",), BANDS)
+        told = data["unstable"].astype(object)
+        return data.assign(
+            told_unstable=told.where(told != NOT_COMPUTED),
+            kind_at_speed=kind,
+            branches_at_speed=branches,
+            modulus=np.exp(data["log_modulus"]),
+            band_error=("band", np.fmax(lower, upper)),
+            band_cut=("band", cut),
+        )
 
     def against(self) -> pd.DataFrame:
         """Growth over the second parameter and the crank speed; empty where none was asked for.
@@ -163,26 +127,16 @@ class StabilityMap(Result):
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """``stability``, ``multipliers``, ``bands``, and ``against`` if there is one."""
-        tables = {
-            self.stem: self.growth(),
-            "multipliers": self.multipliers(),
-            "bands": self.bands(),
-        }
-        return tables | ({"against": self.against()} if "parameter" in self.dataset.dims else {})
+        against = {"against": self.against()} if "parameter" in self.dataset.dims else {}
+        return super().tables() | against
 
-    def figures(self) -> dict[str, Figure]:
-        """Growth, Floquet frequencies and harmonics over crank speed, and the second parameter."""
+    def pictures(self) -> list[str]:
+        """Names of the pictures; none where nothing grows or decays at a known rate."""
         data = self.dataset
         if not np.isfinite(data["growth_rate"]).any():
-            return {}
-        figures = {
-            self.stem: self.plot(),
-            "floquet_frequencies": plots.plot_floquet_frequencies(data),
-            "harmonics": plots.plot_floquet_harmonics(data),
-        }
-        if "parameter" in data.dims and np.isfinite(data["against_growth_rate"]).any():
-            figures["stability_against"] = plots.plot_stability_against(data)
-        return figures
+            return []
+        known = bool(np.isfinite(data.get("against_growth_rate", np.nan)).any())
+        return [name for name in super().pictures() if known or name != "stability_against"]
 
     def plot(
         self,

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.datasets import origin, with_units
+from flexmech.analyses.datasets import origin
 from flexmech.analyses.digits import percent
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import Engines, engines_of
@@ -122,7 +122,9 @@ def strength(
     _refuse_nothing(dataset)
     names = margin_names(dataset)
     return Strength(
-        with_units(dataset, "strength").assign_attrs(
+        Strength.schema()
+        .labelled(dataset)
+        .assign_attrs(
             **origin(dry),
             drawing=drawing(wet, float(dataset["margin_crank_angle"][0])),
             source_of_loads=source,

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import filled, padded
+from flexmech.analyses.schema import Values, schema_of
 from flexmech.analyses.strength.forces import InternalForces
 from flexmech.analyses.strength.judged import JudgedLink
 from flexmech.analyses.strength.judged_pins import JudgedPins
@@ -17,7 +18,6 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.mechanism import Mechanism
 from flexmech.sections import SURFACES
 
-_PLACE = ("engine", "link", "station", "layer", "surface")
 _FORCES = ("axial_force", "bending_moment", "shear_force")
 
 
@@ -57,45 +57,38 @@ def strength_dataset(
     shape = (len(links), count, deep, len(SURFACES))
     numbers = {links.index(name): one for name, one in judged.items()}
 
-    def of_places(values: Mapping[int, Any], otherwise: float | str = np.nan) -> Any:
-        entries = (((link,), value) for link, value in values.items())
-        return _PLACE, filled(shape, entries, otherwise)[None]
-
-    def of_layers(values: Mapping[int, Any], otherwise: float | str) -> Any:
-        entries = (((link,), value) for link, value in values.items())
-        return ("link", "layer"), filled((len(links), deep), entries, otherwise)
+    def of_links(
+        size: tuple[int, ...], values: Mapping[int, Any], otherwise: float | str = np.nan
+    ) -> Any:
+        return filled(size, (((link,), value) for link, value in values.items()), otherwise)
 
     stacks = {}
     for link, name in enumerate(links):
         if (layers := mechanism.layers_of(name)) is not None:
             stacks[link] = layers.laminate.layers
-    lengths = [body.length for body in mechanism.linkage.topology.links]
-    return xr.Dataset(
-        {
-            "position": (("link", "station"), padded([forces[n].place for n in links], count)),
-            **{
-                name: (("engine", "link", "crank_angle", "station"), along[None, :, :, number])
-                for number, name in enumerate(_FORCES)
-            },
-            "failure_index": of_places({n: one.index for n, one in numbers.items()}),
-            "load_factor": of_places({n: one.load_factor for n, one in numbers.items()}),
-            "speed_factor": of_places({n: one.speed_factor for n, one in numbers.items()}),
-            "worst_angle": of_places({n: judged_at[one.worst] for n, one in numbers.items()}),
-            "failure_mode": of_places({n: one.mode for n, one in numbers.items()}, ""),
-            "criterion": of_layers({n: one.criterion for n, one in numbers.items()}, ""),
-            "ply": of_layers({n: [la.ply.name for la in own] for n, own in stacks.items()}, ""),
-            "angle": of_layers({n: [la.angle for la in own] for n, own in stacks.items()}, np.nan),
-            "length": ("link", lengths),
-        },
-        coords={
-            "engine": [engine],
-            "link": links,
-            "crank_angle": angles,
-            "station": np.arange(1, count + 1),
-            "layer": np.arange(1, deep + 1),
-            "surface": list(SURFACES),
-        },
-    )
+    layered = shape[0], deep
+    values: Values = {
+        "engine": [engine],
+        "link": links,
+        "crank_angle": angles,
+        "station": np.arange(1, count + 1),
+        "layer": np.arange(1, deep + 1),
+        "surface": list(SURFACES),
+        "position": padded([forces[name].place for name in links], count),
+        "criterion": of_links(layered, {n: one.criterion for n, one in numbers.items()}, ""),
+        "ply": of_links(layered, {n: [la.ply.name for la in own] for n, own in stacks.items()}, ""),
+        "angle": of_links(layered, {n: [la.angle for la in own] for n, own in stacks.items()}),
+        "length": [body.length for body in mechanism.linkage.topology.links],
+    }
+    of_engine: Values = {
+        **{name: along[:, :, number] for number, name in enumerate(_FORCES)},
+        "failure_index": of_links(shape, {n: one.index for n, one in numbers.items()}),
+        "load_factor": of_links(shape, {n: one.load_factor for n, one in numbers.items()}),
+        "speed_factor": of_links(shape, {n: one.speed_factor for n, one in numbers.items()}),
+        "worst_angle": of_links(shape, {n: judged_at[one.worst] for n, one in numbers.items()}),
+        "failure_mode": of_links(shape, {n: one.mode for n, one in numbers.items()}, ""),
+    }
+    return schema_of(__package__).dataset(values, parts=[of_engine], along="engine")
 
 
 def pin_variables(

@@ -15,7 +15,7 @@ from typing import Self
 
 import numpy as np
 
-from flexmech.analyses.kinematics.extremes import with_steps
+from flexmech.analyses.extremes import with_steps
 from flexmech.analyses.strength.forces import Cuts, cuts_of
 from flexmech.analyses.strength.joint_loads import LoadsOfTurn
 from flexmech.analyses.strength.judged_mechanism import JudgedMechanism

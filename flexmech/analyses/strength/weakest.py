@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.kinematics.extremes import is_whole
+from flexmech.analyses.extremes import is_whole
 from flexmech.analyses.strength.endurance import Endurance, stress_along
 from flexmech.analyses.strength.joint_loads import LoadsOfTurn
 from flexmech.analyses.strength.judged import JudgedLink, judge

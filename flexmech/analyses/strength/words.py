@@ -37,7 +37,6 @@ FORCES = {
     "periodic": "internal forces: of one turn of the links' periodic vibration",
     "transient": "internal forces: of a run that begins with straight links at full speed",
 }
-OF_PLACES = "of the places and crank angles asked for alone: between them factors may be lower"
 ASKED = "crank angles asked for"
 """Where parts were judged, if not between the crank angles too."""
 OF_ANGLES = "of the crank angles asked for alone: between them factors may be lower"
@@ -244,8 +243,6 @@ def straight_line(data: xr.Dataset) -> str:
 
 def _known(data: xr.Dataset) -> str:
     """How far load factors are known, of the part of which it is least."""
-    if "margin_error" not in data:
-        return OF_PLACES
     known = f"load factors are known to {percent(float(data['margin_error'].max()))}"
     return f"{known}, {OF_ANGLES}" if data.attrs.get("judged_at") == ASKED else known
 
@@ -295,7 +292,7 @@ def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     for number, part in enumerate(margin_names(data)):
         load, speed = (float(data[f"margin_{of}_factor"][number]) for of in ("load", "speed"))
         error = math.nan
-        if "margin_error" in data and math.isfinite(load):
+        if math.isfinite(load):
             error = load * float(data["margin_error"][number])
         numbers.append(Quantity("load_factor", load, "", error, part))
         numbers.append(Quantity("speed_factor", speed, "", of=part))

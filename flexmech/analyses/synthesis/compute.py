@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 
 from flexmech.analyses.datasets import versions
 from flexmech.analyses.synthesis.result import CrankRockerSynthesis
@@ -50,32 +49,28 @@ def crank_rocker_synthesis(
     found = synthesize_crank_rocker(wanted, checked_number(rocker_angle, "rocker_angle", "rad"))
     size = 1.0 if ground is None else checked_number(ground, "ground", "m", POSITIVE)
     linkage = found.linkage(size)
-    radians, one = {"units": "rad"}, {"units": "1"}
-    transmission = linkage.transmission_angle(TURN)
-    dataset = xr.Dataset(
-        {
-            "ratio": ("member", [1.0, found.crank, found.coupler, found.rocker], one),
-            "transmission_angle": (("linkage", "crank_angle"), [transmission], radians),
-            "transmission_angle_limit": ("limit", [*linkage.transmission_angle_limits()], radians),
-            "rocker_angle": ((), transmission_design(linkage).rocker_angle, radians),
-            "rocker_swing": ((), rocker_swing(linkage), radians),
-            "time_ratio": ((), time_ratio(linkage), one),
-        },
-        {
-            "linkage": ["this linkage"],
-            "crank_angle": ("crank_angle", TURN, radians),
-            "member": list(linkage.lengths),
-            "limit": ["least", "greatest"],
-        },
-        {
-            "mechanism": "synthesized four-bar",
-            "grashof_class": linkage.grashof_class,
-            "wanted_least": np.pi / 2 - wanted,
-            "wanted_greatest": np.pi / 2 + wanted,
-            "wanted_label": "wanted range",
-            **versions(),
-        },
-    )
+    values = {
+        "ratio": [1.0, found.crank, found.coupler, found.rocker],
+        "transmission_angle": [linkage.transmission_angle(TURN)],
+        "transmission_angle_limit": [*linkage.transmission_angle_limits()],
+        "rocker_angle": transmission_design(linkage).rocker_angle,
+        "rocker_swing": rocker_swing(linkage),
+        "time_ratio": time_ratio(linkage),
+        "linkage": ["this linkage"],
+        "crank_angle": TURN,
+        "member": list(linkage.lengths),
+        "limit": ["least", "greatest"],
+    }
     if ground is not None:
-        dataset["length"] = ("member", [*linkage.lengths.values()], {"units": "m"})
-    return CrankRockerSynthesis(dataset)
+        values["length"] = [*linkage.lengths.values()]
+    dataset = CrankRockerSynthesis.schema().dataset(values)
+    return CrankRockerSynthesis(
+        dataset.assign_attrs(
+            mechanism="synthesized four-bar",
+            grashof_class=linkage.grashof_class,
+            wanted_least=np.pi / 2 - wanted,
+            wanted_greatest=np.pi / 2 + wanted,
+            wanted_label="wanted range",
+            **versions(),
+        )
+    )

@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
+import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import table_of
 from flexmech.analyses.digits import Quantity
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
@@ -25,10 +24,8 @@ class CrankRockerSynthesis(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        ``ratio`` of the lengths to the ground's over ``member``, and ``length`` where that of
-        the ground is given. Computed back from the lengths: ``transmission_angle`` over
-        ``crank_angle`` and its least and greatest value ``transmission_angle_limit``;
-        ``rocker_angle`` at crank angle zero, ``rocker_swing`` and ``time_ratio``.
+        The variables of ``schema.toml``: ``ratio`` of the lengths over ``member``, ``length`` where
+        that of the ground is given, and what is computed back from the lengths.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -36,12 +33,10 @@ class CrankRockerSynthesis(Result):
     stem = "transmission_angle"
     subject = "transmission angle"
     hallmark = "rocker_swing"
-    files = ("transmission_angle.csv", "transmission_angle.nc", "transmission_angle.png")
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """Transmission angle at each degree of the crank."""
-        columns = {f"{name}_deg": name for name in ("crank_angle", "transmission_angle")}
-        return {self.stem: table_of(self.dataset.isel(linkage=0), ("crank_angle",), columns)}
+    def tabulated(self) -> xr.Dataset:
+        """The dataset of the one linkage."""
+        return self.dataset.isel(linkage=0)
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw the transmission angle over a turn, in axes of the user's if they are given."""

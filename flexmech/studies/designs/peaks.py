@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech.analyses.extremes import Values, greatest_between
 from flexmech.analyses.frequencies.positions import strain_energy_damping
-from flexmech.analyses.kinematics.extremes import Values, greatest_between
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import InputError, suggestion

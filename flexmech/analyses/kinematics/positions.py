@@ -1,4 +1,4 @@
-"""Variables of a dataset of kinematics: of centres of mass, joints, lumped masses and points."""
+"""Values of kinematics at positions: of centres of mass, joints, frame, lumped masses, points."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.shaking import Variables
+from flexmech.analyses.aspects.shaking import shaking_of
+from flexmech.analyses.schema import Values
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import (
+    FourBar,
     InverseDynamics,
     LinkMass,
     RigidMotion,
@@ -21,11 +23,55 @@ from flexmech.linkages import (
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 
-_ANGLE, _LINK = "crank_angle", "link"
-_PLANE = (_ANGLE, _LINK, "component")
+
+def values_of(
+    mechanism: Mechanism,
+    forces: InverseDynamics,
+    lumped: InverseDynamics | None,
+    point: tuple[float, float] | None = None,
+    shaft_torque: float | FloatArray = 0.0,
+) -> Values:
+    """All that has extremes: motion of links and points, forces, torque and power.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    forces : InverseDynamics
+        In positions (A,), by distributed masses.
+    lumped : InverseDynamics or None
+        By lumped masses.
+    point : tuple of float, optional
+        About which the shaking moment is taken, m.
+    shaft_torque : float or ndarray, shape (A,)
+        Of the drive on the shaft itself, N m.
+
+    Returns
+    -------
+    dict
+        With the names of points and sliders as ``point`` and ``slider``.
+    """
+    motion, linkage = forces.motion, mechanism.linkage
+    shaking = shaking_of(mechanism, forces, point, shaft_torque)
+    found = {
+        "angular_velocity": motion.angular_velocity,
+        "angular_acceleration": motion.angular_acceleration,
+        **_of_centres(forces.masses, motion),
+        **_of_forces(linkage.topology, forces),
+        "shaking_force": shaking.force,
+        "shaking_moment": shaking.moment,
+        "moment_point": np.array(shaking.point),
+        **_of_points(mechanism, motion),
+    }
+    if lumped is not None:
+        by_lumps = _of_forces(linkage.topology, lumped)
+        found |= {f"lumped_{name}": values for name, values in by_lumps.items()}
+    if isinstance(linkage, FourBar):
+        for name in ("transmission_angle", "reversed_transmission_angle"):
+            found[name] = getattr(linkage, name)(motion.crank_angle)
+    return found
 
 
-def of_centres(masses: Sequence[LinkMass], motion: RigidMotion) -> Variables:
+def _of_centres(masses: Sequence[LinkMass], motion: RigidMotion) -> Values:
     """Centres of mass, their accelerations, and inertia forces without weight."""
     along, across = (np.array(each) for each in zip(*(m.centre for m in masses), strict=True))
     mass = np.array([m.moment(0) for m in masses])
@@ -38,36 +84,34 @@ def of_centres(masses: Sequence[LinkMass], motion: RigidMotion) -> Variables:
         - motion.angular_velocity[..., None] ** 2 * arm
     )
     return {
-        "centre_position": (_PLANE, motion.origin + arm),
-        "centre_acceleration": (_PLANE, acceleration),
-        "inertia_force": (_PLANE, -mass[:, None] * acceleration),
-        "inertia_moment": ((_ANGLE, _LINK), -inertia * motion.angular_acceleration),
+        "centre_position": motion.origin + arm,
+        "centre_acceleration": acceleration,
+        "inertia_force": -mass[:, None] * acceleration,
+        "inertia_moment": -inertia * motion.angular_acceleration,
     }
 
 
-def of_forces(topology: Topology, forces: InverseDynamics) -> Variables:
+def _of_forces(topology: Topology, forces: InverseDynamics) -> Values:
     """Joint forces and moments, torque and power."""
     names = topology.joint_names
-    force = np.stack([forces.joint_force[name] for name in names], axis=1)
-    moment = np.stack([forces.joint_moment[name] for name in names], axis=1)
     return {
-        "joint_force": ((_ANGLE, "joint", "component"), force),
-        "joint_moment": ((_ANGLE, "joint"), moment),
-        "driving_torque": ((_ANGLE,), forces.driving_torque),
-        "driving_power": ((_ANGLE,), forces.driving_power),
+        "joint_force": np.stack([forces.joint_force[name] for name in names], axis=1),
+        "joint_moment": np.stack([forces.joint_moment[name] for name in names], axis=1),
+        "driving_torque": forces.driving_torque,
+        "driving_power": forces.driving_power,
     }
 
 
-def of_lumps(masses: Sequence[LinkMass], elements: Sequence[int], motion: RigidMotion) -> Variables:
-    """Place, size, acceleration and inertia force of every lumped mass.
+def of_lumps(mechanism: Mechanism, forces: InverseDynamics, elements: Sequence[int]) -> Values:
+    """Place, size, acceleration and inertia force of every lumped mass, and its link.
 
     Parameters
     ----------
-    masses : sequence of LinkMass
+    mechanism : Mechanism
+    forces : InverseDynamics
+        In positions (A,).
     elements : sequence of int
         Of each link.
-    motion : RigidMotion
-        Batch of shape (A,).
 
     Returns
     -------
@@ -78,21 +122,22 @@ def of_lumps(masses: Sequence[LinkMass], elements: Sequence[int], motion: RigidM
     InputError
         If no link has distributed mass.
     """
-    places, sizes, accelerations = [], [], []
-    for link, (mass, count) in enumerate(zip(masses, elements, strict=True)):
+    places, sizes, accelerations, links = [], [], [], []
+    for link, (mass, count) in enumerate(zip(forces.masses, elements, strict=True)):
         for x, lump in mass.lumps(count):
+            links.append(mechanism.linkage.topology.link_names[link])
             places.append(x)
             sizes.append(lump)
-            accelerations.append(_acceleration(motion, link, x, mass.offset))
+            accelerations.append(_acceleration(forces.motion, link, x, mass.offset))
     if not sizes:
         raise InputError("lumped: no link has distributed mass that could be lumped; leave it out")
     acceleration = np.stack(accelerations, axis=1)
-    plane = (_ANGLE, "lump", "component")
     return {
-        "lump_position": (("lump",), np.array(places)),
-        "lump_mass": (("lump",), np.array(sizes)),
-        "lump_acceleration": (plane, acceleration),
-        "lump_inertia_force": (plane, -np.array(sizes)[:, None] * acceleration),
+        "lump_link": links,
+        "lump_position": np.array(places),
+        "lump_mass": np.array(sizes),
+        "lump_acceleration": acceleration,
+        "lump_inertia_force": -np.array(sizes)[:, None] * acceleration,
     }
 
 
@@ -129,35 +174,22 @@ def _points_of(mechanism: Mechanism) -> dict[str, _Point]:
     return found
 
 
-def of_points(mechanism: Mechanism, motion: RigidMotion) -> Variables:
-    """Position, velocity and acceleration of points, and of sliders along their lines.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    motion : RigidMotion
-        Batch of shape (A,).
-
-    Returns
-    -------
-    dict
-        With the names as coordinates ``point`` and ``slider``.
-    """
-    points, found = _points_of(mechanism), Variables()
-    plane = (_ANGLE, "point", "component")
+def _of_points(mechanism: Mechanism, motion: RigidMotion) -> Values:
+    """Position, velocity and acceleration of points, and of sliders along their lines."""
+    points, found = _points_of(mechanism), Values()
     kinds = ("position", "velocity", "acceleration")
     if points:
         for kind in kinds:
             at = getattr(motion, kind)
             values = [at(place.link, place.x, place.y) for place in points.values()]
-            found[f"point_{kind}"] = plane, np.stack(values, axis=1)
-        found["point"] = ("point",), list(points)
+            found[f"point_{kind}"] = np.stack(values, axis=1)
+        found["point"] = list(points)
     topology = mechanism.linkage.topology
     if topology.sliders:
         slides = [_along_line(topology, motion, slider) for slider in topology.sliders]
         for kind, along in zip(kinds, zip(*slides, strict=True), strict=True):
-            found[f"slider_{kind}"] = (_ANGLE, "slider"), np.stack(along, axis=1)
-        found["slider"] = ("slider",), [slider.joint for slider in topology.sliders]
+            found[f"slider_{kind}"] = np.stack(along, axis=1)
+        found["slider"] = [slider.joint for slider in topology.sliders]
     return found
 
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.datasets import DEGREES, Columns
+from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.remarks import speed_with_unit
+from flexmech.analyses.summary import Aspect
 from flexmech.arrays import FloatArray
 from flexmech.linkages import DcMotor, MotorRun, SettledRun
 from flexmech.linkages.motors.motor import MotorOutput
@@ -23,13 +24,6 @@ _TOLD = 1e-6
 _BETWEEN = 1e-3
 # By which a run of one turn may lack of it, once elastic links have moved the shaft.
 _A_TURN = 1e-3
-_VARIABLES = ("motor_torque", "motor_speed", "motor_power", "motor_current")
-_COLUMNS = {
-    "motor_torque_Nm": "motor_torque",
-    "motor_speed_rad_s": "motor_speed",
-    "motor_power_W": "motor_power",
-    "motor_current_A": "motor_current",
-}
 
 
 def motor_attributes(run: MotorRun) -> dict[str, str | float]:
@@ -74,7 +68,7 @@ def motor_attributes(run: MotorRun) -> dict[str, str | float]:
     return told
 
 
-def settled_variables(run: MotorRun, mechanism: Mechanism) -> xr.Dataset:
+def settled_values(run: MotorRun, mechanism: Mechanism) -> dict[str, FloatArray]:
     """Crank speed, motor and joint forces over a turn of the rigid linkage's settled motion.
 
     Parameters
@@ -85,28 +79,29 @@ def settled_variables(run: MotorRun, mechanism: Mechanism) -> xr.Dataset:
 
     Returns
     -------
-    xarray.Dataset
-        Empty of a motor that stalls or does not settle.
+    dict of str to ndarray
+        Over ``settled_angle``; empty of a motor that stalls or does not settle.
     """
     settled = run.settled
     if settled is None:
-        return xr.Dataset()
+        return {}
     acceleration = settled.equation.rates(settled.time, settled.values)[1]
     motion = mechanism.linkage.motion(settled.crank_angle, settled.speed, acceleration)
     force = mechanism.inverse_dynamics(motion).joint_force
     names = mechanism.linkage.topology.joint_names
     sizes = [np.hypot(force[name][:, 0], force[name][:, 1]) for name in names]
-    variables: dict[str, tuple[str | tuple[str, ...], FloatArray]] = {
-        "settled_crank_speed": ("settled_angle", settled.speed),
-        "settled_motor_torque": ("settled_angle", settled.output.torque),
-        "settled_joint_force": (("settled_angle", "joint"), np.stack(sizes, axis=1)),
+    values = {
+        "settled_angle": settled.crank_angle,
+        "settled_crank_speed": settled.speed,
+        "settled_motor_torque": settled.output.torque,
+        "settled_joint_force": np.stack(sizes, axis=1),
     }
     if isinstance(run.drive.motor, DcMotor):
-        variables["settled_motor_current"] = ("settled_angle", settled.output.current)
-    return xr.Dataset(variables, coords={"settled_angle": settled.crank_angle})
+        values["settled_motor_current"] = settled.output.current
+    return values
 
 
-def motor_variables(run: MotorRun, given: MotorOutput, speed: FloatArray) -> xr.Dataset:
+def motor_values(run: MotorRun, given: MotorOutput, speed: FloatArray) -> dict[str, FloatArray]:
     """What a motor gives over time.
 
     Parameters
@@ -119,18 +114,17 @@ def motor_variables(run: MotorRun, given: MotorOutput, speed: FloatArray) -> xr.
 
     Returns
     -------
-    xarray.Dataset
-        Over time.
+    dict of str to ndarray, shape (N,)
     """
     rotor = run.drive.motor.gear_ratio * speed
-    found = {
-        "motor_torque": ("time", given.torque),
-        "motor_speed": ("time", rotor),
-        "motor_power": ("time", given.torque * rotor),
+    values = {
+        "motor_torque": given.torque,
+        "motor_speed": rotor,
+        "motor_power": given.torque * rotor,
     }
     if isinstance(run.drive.motor, DcMotor):
-        found["motor_current"] = ("time", given.current)
-    return xr.Dataset(found)
+        values["motor_current"] = given.current
+    return values
 
 
 def last_turn(angle: FloatArray, speed: FloatArray, time: FloatArray) -> tuple[float, float]:
@@ -155,15 +149,26 @@ def last_turn(angle: FloatArray, speed: FloatArray, time: FloatArray) -> tuple[f
     return float(mean), speed_range(time[first:], speed[first:]) / abs(float(mean))
 
 
-def motor_columns(data: xr.Dataset) -> Columns:
-    """Columns of what the motor gives for a table over time; none without a motor."""
-    return {column: name for column, name in _COLUMNS.items() if name in data}
+def motor_aspect(data: xr.Dataset) -> Aspect:
+    """What a motor does: nothing of a result without one.
 
+    Parameters
+    ----------
+    data : xarray.Dataset
 
-def motor_answer(data: xr.Dataset) -> tuple[str, ...]:
-    """Where the motor stalls, or how fast it turns the crank and how evenly; or nothing."""
+    Returns
+    -------
+    Aspect
+        Where it stalls, or how fast and how evenly it turns the crank; peaks of what it gives, and
+        the settled motion.
+    """
     if "motor_torque" not in data:
-        return ()
+        return Aspect()
+    return Aspect(_answer(data), _lines(data), numbers=_numbers(data), leads=True)
+
+
+def _answer(data: xr.Dataset) -> tuple[str, ...]:
+    """Where the motor stalls, or how fast it turns the crank and how evenly."""
     told = data.attrs
     if "stall_angle" in told:
         angle = f"{DEGREES * told['stall_angle'] % 360:.4g} deg"
@@ -204,10 +209,8 @@ def motor_answer(data: xr.Dataset) -> tuple[str, ...]:
     )
 
 
-def motor_lines(data: xr.Dataset) -> list[str]:
-    """Peaks of what the motor gives, and the settled motion; none without a motor."""
-    if "motor_torque" not in data:
-        return []
+def _lines(data: xr.Dataset) -> tuple[str, ...]:
+    """Peaks of what the motor gives, and the settled motion."""
     told = data.attrs
     peaks = ", ".join(
         f"{what} up to {_peaks(data, name)} {unit}"
@@ -245,7 +248,7 @@ def motor_lines(data: xr.Dataset) -> list[str]:
         )
         which = "only turn of the run, from rest" if _is_one_turn(data) else "last turn of the run"
         lines.append(f"{which}, with elastic links: mean speed {texts}")
-    return lines
+    return tuple(lines)
 
 
 def _is_one_turn(data: xr.Dataset) -> bool:
@@ -254,10 +257,8 @@ def _is_one_turn(data: xr.Dataset) -> bool:
     return "elastic_settled_speed" not in data.attrs and turned <= 2 * np.pi * (1 + _A_TURN)
 
 
-def motor_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     """Peaks of torque, power and current; settled speed and fluctuation, or the stall."""
-    if "motor_torque" not in data:
-        return ()
     found = []
     for name, unit in (("motor_torque", "N m"), ("motor_power", "W"), ("motor_current", "A")):
         if name in data:

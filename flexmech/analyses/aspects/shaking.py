@@ -1,14 +1,11 @@
-"""Shaking force and moment in datasets: their variables, harmonics, tables and words."""
+"""Force and moment that shake the frame: values, harmonics and words."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import pandas as pd
 import xarray as xr
 
-from flexmech.analyses.datasets import DEGREES, Columns, columns_along, table_of
+from flexmech.analyses.schema import Values
 from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.linkages import InverseDynamics, continuous_angles
 from flexmech.linkages.frame_forces import ShakingForce, shaking_force
@@ -18,12 +15,7 @@ from flexmech.validation import check_pair
 MOST_ORDER = 10
 """Of harmonics: orders of the crank angle from zero to this one."""
 
-Variables = dict[str, tuple[tuple[str, ...], Any]]
-"""Dimensions and values of variables by their names."""
-
-_ORDER, _COMPONENT = "order", "component"
 _PARTS = ("shaking_force", "shaking_moment")
-_NUMBERS = ("amplitude", "phase")
 _MM = 1e3
 # Of the greatest order: less is not told in a line, and stands in the table.
 _SHOWN = 1e-3
@@ -97,30 +89,7 @@ def mechanism_angles(mechanism: Mechanism, forces: InverseDynamics) -> FloatArra
     return continuous_angles(mechanism.linkage, forces.motion)
 
 
-def shaking_variables(found: ShakingForce, over: str, prefix: str = "") -> Variables:
-    """Variables of a dataset.
-
-    Parameters
-    ----------
-    found : ShakingForce
-        In positions (A,).
-    over : str
-        Dimension of the positions.
-    prefix : str
-        Before the names.
-
-    Returns
-    -------
-    dict
-        ``shaking_force`` (over, component) and ``shaking_moment`` (over).
-    """
-    return {
-        f"{prefix}shaking_force": ((over, _COMPONENT), found.force),
-        f"{prefix}shaking_moment": ((over,), found.moment),
-    }
-
-
-def harmonic_variables(found: ShakingForce, crank_angle: FloatArray, prefix: str = "") -> Variables:
+def harmonic_values(found: ShakingForce, crank_angle: FloatArray, prefix: str = "") -> Values:
     """Harmonics of a turn: each order is ``amplitude cos(order crank_angle + phase)``.
 
     Parameters
@@ -142,75 +111,20 @@ def harmonic_variables(found: ShakingForce, crank_angle: FloatArray, prefix: str
     orders = np.arange(min(MOST_ORDER, (len(crank_angle) - 1) // 2) + 1)
     waves = np.exp(-1j * np.multiply.outer(orders, crank_angle)) / len(crank_angle)
     waves[1:] *= 2
-    variables: Variables = {_ORDER: ((_ORDER,), orders)}
-    sizes = (found.force, (_ORDER, _COMPONENT)), (found.moment, (_ORDER,))
-    for name, (values, dims) in zip(_PARTS, sizes, strict=True):
-        parts = waves @ values
+    values: Values = {"order": orders}
+    for name, over_turn in zip(_PARTS, (found.force, found.moment), strict=True):
+        parts = waves @ over_turn
         # Less is what round-off leaves of an order that there is not.
-        there = np.abs(parts) > ROUND_OFF * np.abs(values).max(initial=0.0)
+        there = np.abs(parts) > ROUND_OFF * np.abs(over_turn).max(initial=0.0)
         parts = np.where(there, parts, 0.0)
-        variables[f"{prefix}{name}_amplitude"] = dims, np.abs(parts)
-        variables[f"{prefix}{name}_phase"] = dims, np.angle(parts)
-        if _COMPONENT in dims:
+        values[f"{prefix}{name}_amplitude"] = np.abs(parts)
+        values[f"{prefix}{name}_phase"] = np.angle(parts)
+        if parts.ndim > 1:
             # Half its long axis: what turns with the crank and what turns against it add up.
             x, y = parts.T
             size = (np.abs(x + 1j * y) + np.abs(x - 1j * y)) / 2
-            variables[f"{prefix}{name}_order"] = (_ORDER,), size
-    return variables
-
-
-def shaking_columns(data: xr.Dataset, prefix: str = "") -> Columns:
-    """Columns of a table over the dimensions of the shaking force.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-    prefix : str
-        Before the names of the variables and the columns.
-
-    Returns
-    -------
-    dict
-        None where the dataset is of an earlier version, which had no shaking force.
-    """
-    if f"{prefix}shaking_force" not in data:
-        return {}
-    force = data[f"{prefix}shaking_force"]
-    return {
-        **columns_along(f"{prefix}shaking_force_{{}}_N", force, _COMPONENT),
-        f"{prefix}shaking_moment_Nm": f"{prefix}shaking_moment",
-    }
-
-
-def harmonics_table(data: xr.Dataset, over: str = "") -> pd.DataFrame:
-    """A row for each order, and for each place along a further dimension.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        With the variables of :func:`harmonic_variables`.
-    over : str
-        That dimension; empty where there is none.
-
-    Returns
-    -------
-    pandas.DataFrame
-    """
-    columns: Columns = {over: over} if over else {}
-    columns[_ORDER] = _ORDER
-    units = {"shaking_force": "N", "shaking_moment": "Nm"}
-    for name, unit in units.items():
-        for number in _NUMBERS:
-            own, suffix = data[f"{name}_{number}"], unit
-            if number == "phase":
-                own, suffix = DEGREES * own, "deg"
-            if _COMPONENT in own.dims:
-                columns |= columns_along(f"{name}_{{}}_{number}_{suffix}", own, _COMPONENT)
-            else:
-                columns[f"{name}_{number}_{suffix}"] = own
-        if name == "shaking_force":
-            columns["shaking_force_greatest_N"] = "shaking_force_order"
-    return table_of(data, ((over,) if over else ()) + (_ORDER,), columns)
+            values[f"{prefix}{name}_order"] = size
+    return values
 
 
 def point_text(data: xr.Dataset) -> str:
@@ -237,7 +151,7 @@ def harmonics_line(data: xr.Dataset, what: str = "shaking") -> str:
     force, moment = data["shaking_force_order"].values, data["shaking_moment_amplitude"].values
     shown = [
         f"{order}: {force[n]:.4g} N, {moment[n]:.4g} N m"
-        for n, order in enumerate(data[_ORDER].values)
+        for n, order in enumerate(data["order"].values)
         if force[n] > _SHOWN * force.max() or moment[n] > _SHOWN * moment.max()
     ]
     told = "; ".join(shown) or "none"
