@@ -20,8 +20,8 @@ from .floquet import plot_floquet_harmonics as plot_floquet_harmonics
 from .frame import plot_frame_motion as plot_frame_motion
 from .frequencies import plot_damping_ratio as plot_damping_ratio
 from .frequencies import plot_frequencies as plot_frequencies
+from .frequencies import plot_frequencies_over_speed as plot_frequencies_over_speed
 from .frequencies import plot_modal_damping as plot_modal_damping
-from .frequencies_over_speed import plot_frequencies_over_speed as plot_frequencies_over_speed
 from .frf import plot_comparison as plot_comparison
 from .frf import plot_frf as plot_frf
 from .frf import plot_frf_parts as plot_frf_parts

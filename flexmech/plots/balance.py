@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from flexmech.arrays import SAME_PLACE
-from flexmech.plots import angle_panels, reading, scales, style
-from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.plots import reading, scales, style
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike, Sheet, grid
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, over_angles
 from flexmech.plots.shaking import moment_point
 
 # Of two rows of two panels in inches: four of them fit a page in one column.
 _HEIGHT = 4.0
-_ELASTIC: style.Look = {"alpha": 0.45, "lw": 0.9}
+_ELASTIC: style.Look = {"alpha": 0.45, "lw": 0.9, "zorder": 1.5}
 
 
 def plot_balance(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -35,55 +39,59 @@ def plot_balance(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    angles, states = (
-        reading.degrees(dataset["crank_angle"]),
-        style.distinct_names(reading.names_of(dataset, "state")),
-    )
-    elastic = "elastic_shaking_force" in dataset
-    with sheet(grid(2, 2, _HEIGHT), ax=ax) as drawn:
-        handles = style.series_handles(states)
-        if elastic:
-            handles += [
-                style.series_handle(number, f"{state}, elastic links", **_ELASTIC)
-                for number, state in enumerate(states)
-            ]
-        drawn.header(handles, f"Balance at {reading.drive_text(dataset)}", of=dataset)
-        plane, size, moment, torque = drawn.panels
-        force = reading.values_of(dataset["shaking_force"], "state", "crank_angle", "component")
-        factor, unit = reading.fitting_unit(force, reading.FORCE_UNITS)
+    picture = balance_picture(dataset)
+    force = reading.values_of(dataset["shaking_force"], "state", "crank_angle", "component")
+    factor, unit = reading.fitting_unit(force, reading.FORCE_UNITS)
+
+    def draw_plane(drawn: Sheet) -> None:
+        """The path of the force's end point, which is not over the crank angle."""
+        plane = drawn.panels[0]
         plane.set_aspect("equal", adjustable="datalim")
-        plane.axhline(0.0, color=style.LIGHT_GREY, lw=0.6, zorder=0)
-        plane.axvline(0.0, color=style.LIGHT_GREY, lw=0.6, zorder=0)
-        scales.zero_line(size)
+        for line in (plane.axhline, plane.axvline):
+            line(0.0, **ZERO.look)
         for number, path in enumerate(factor * force):
             plane.plot(path[:, 0], path[:, 1], **style.series_line(number))
-            angle_panels.draw_line(size, angles, np.linalg.norm(path, axis=-1), number)
         if np.abs(force[-1]).max() < SAME_PLACE * np.abs(force).max():
             # A balanced force is a point.
             plane.plot(0.0, 0.0, "o", ms=3.0, color=style.series_style(1).color)
         plane.set(xlabel=f"Shaking force along x ({unit})", ylabel=f"Along y ({unit})")
-        size.set_ylabel(f"Shaking force ({unit})")
-        if elastic:
-            running = reading.values_of(
-                dataset["elastic_shaking_force"], "state", "elastic_angle", "component"
-            )
-            turned = np.degrees(dataset["elastic_angle"].values)
-            for number, path in enumerate(factor * running):
-                look = style.series_line(number) | _ELASTIC
-                size.plot(turned, np.linalg.norm(path, axis=-1), **look, zorder=1.5)
-        for axes, name, what in (
-            (moment, "shaking_moment", f"Shaking moment about\n{moment_point(dataset)}"),
-            (torque, "driving_torque", "Driving torque"),
-        ):
-            values = reading.values_of(dataset[name], "state", "crank_angle")
-            factor, unit = reading.fitting_unit(values, reading.TORQUE_UNITS)
-            scales.zero_line(axes)
-            for number, line in enumerate(factor * values):
-                angle_panels.draw_line(axes, angles, line, number)
-            axes.set_ylabel(f"{what} ({unit})")
-        for axes in (size, moment, torque):
-            scales.crank_angle_axis(axes, angles, narrow=True)
-            axes.set_xlabel("Crank angle (deg)")
-        for axes in drawn.panels:
-            scales.plain_numbers(axes)
-    return drawn.figure
+        scales.plain_numbers(plane)
+
+    return draw(picture, grid(2, 2, _HEIGHT), ax=ax, by_hand=1, finish=draw_plane)
+
+
+def balance_picture(dataset: xr.Dataset) -> Picture:
+    """Size of the shaking force, shaking moment and driving torque, as of plot_balance."""
+    angles = reading.degrees(dataset["crank_angle"])
+    states = style.distinct_names(reading.names_of(dataset, "state"))
+    force = np.linalg.norm(
+        reading.values_of(dataset["shaking_force"], "state", "crank_angle", "component"), axis=-1
+    )
+    sizes = _by_state(states, angles, force)
+    if "elastic_shaking_force" in dataset:
+        turned = np.degrees(dataset["elastic_angle"].values)
+        running = dataset["elastic_shaking_force"]
+        of_elastic = np.linalg.norm(
+            reading.values_of(running, "state", "elastic_angle", "component"), axis=-1
+        )
+        sizes += [
+            replace(one, name=f"{one.name}, elastic links", look=one.look | _ELASTIC)
+            for one in _by_state(states, turned, of_elastic)
+        ]
+    panes = [Pane("Shaking force", tuple(sizes), reading.FORCE_UNITS, spans=(ZERO,))]
+    for name, what in (
+        ("shaking_moment", f"Shaking moment about\n{moment_point(dataset)}"),
+        ("driving_torque", "Driving torque"),
+    ):
+        values = reading.values_of(dataset[name], "state", "crank_angle")
+        curves = tuple(_by_state(states, angles, values))
+        panes.append(Pane(what, curves, reading.TORQUE_UNITS, spans=(ZERO,)))
+    title = f"Balance at {reading.drive_text(dataset)}"
+    return over_angles(angles, panes, dataset, title)
+
+
+def _by_state(states: list[str], angles: FloatArray, values: FloatArray) -> list[Curve]:
+    return [
+        Curve(angles, line, style.series_line(number, angles), state)
+        for number, (state, line) in enumerate(zip(states, values, strict=True))
+    ]

@@ -6,8 +6,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from flexmech.plots import reading, scales
-from flexmech.plots.layout import AxesLike, sheet
-from flexmech.plots.response import ROTATION_UNITS, draw_engines, engine_lines
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike
+from flexmech.plots.picture import Picture
+from flexmech.plots.response import ROTATION_UNITS, engine_panes, over_time
 
 
 def plot_frame_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -25,21 +27,21 @@ def plot_frame_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     -------
     Figure
     """
-    components = reading.names_of(dataset, "component")
-    moved, force = dataset["frame_displacement"], dataset["floor_force"]
+    picture = frame_picture(dataset)
+    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax)
+
+
+def frame_picture(dataset: xr.Dataset) -> Picture:
+    """Motion of a frame on springs and force on the floor, as of plot_frame_motion."""
+    along = [(one, dataset.sel(component=one)) for one in reading.names_of(dataset, "component")]
     shown = [
-        (moved.sel(component=one), reading.LENGTH_UNITS, f"Frame\nalong {one}")
-        for one in components
+        (f"Frame\nalong {one}", own["frame_displacement"], reading.LENGTH_UNITS)
+        for one, own in along
     ]
-    shown.append((dataset["frame_rotation"], ROTATION_UNITS, "Frame\nrotation"))
+    shown.append(("Frame\nrotation", dataset["frame_rotation"], ROTATION_UNITS))
     shown += [
-        (force.sel(component=one), reading.FORCE_UNITS, f"Force on the\nfloor along {one}")
-        for one in components
+        (f"Force on the\nfloor along {one}", own["floor_force"], reading.FORCE_UNITS)
+        for one, own in along
     ]
-    with sheet(scales.time_layout(len(shown)), ax=ax) as drawn:
-        title = f"Frame on springs\n{reading.run_title(dataset)}"
-        drawn.header(engine_lines(dataset), title, of=dataset)
-        scales.label_times(drawn, dataset)
-        for axes, (quantity, units, what) in zip(drawn.panels, shown, strict=True):
-            draw_engines(axes, quantity, units, what)
-    return drawn.figure
+    title = f"Frame on springs\n{reading.run_title(dataset)}"
+    return over_time(dataset, engine_panes(dataset, shown), title)

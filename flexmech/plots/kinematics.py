@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -12,10 +11,12 @@ from matplotlib.transforms import Affine2D
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import angle_panels, motion, reading, scales, style
+from flexmech.plots.drawing import draw
 from flexmech.plots.drawn_linkage.parts import drawn_posture
 from flexmech.plots.drawn_linkage.sketch import RIGID, SMALL, LinkageSketch
 from flexmech.plots.drawn_linkage.symbols import add_symbols
 from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span
 
 POWER: reading.Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 # Motion of a link: variable, what it is, factor from the SI unit, and unit.
@@ -27,10 +28,10 @@ MOTIONS = (
 # In points, doubled and trebled at each further round through the styles.
 WIDTHS = (1.1, 2.2, 3.3)
 # Around forces by distributed masses, which they hardly leave.
-LUMPED: style.Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3}
+LUMPED: style.Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3, "zorder": 1.9}
 
 # Of the magnitude of a force, behind its components.
-MAGNITUDE: style.Look = {"color": "0.6", "lw": 2.2}
+MAGNITUDE: style.Look = {"color": "0.6", "lw": 2.2, "zorder": 1.5}
 
 TITLE = "Transmission angle over a turn of the crank"
 
@@ -59,20 +60,19 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     -------
     Figure
     """
+    return draw(link_motion_picture(dataset), grid(3, 1, 5.4, sharex=True), ax=ax)
+
+
+def link_motion_picture(dataset: xr.Dataset) -> Picture:
+    """Angle, angular velocity and angular acceleration of each link, as of plot_kinematics."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
-    links = reading.names_of(dataset, "link")
-    with sheet(grid(3, 1, 5.4, sharex=True), ax=ax) as drawn:
-        handles = [style.line_handle(name, **_link_line(n)) for n, name in enumerate(links)]
-        drawn.header(handles, f"Motion of the links {reading.conditions(dataset)}", of=dataset)
-        for axes, (name, words, factor, unit) in zip(drawn.panels, MOTIONS, strict=True):
-            values = dataset[name].transpose("link", "crank_angle").values
-            scales.zero_line(axes)
-            for number, line in enumerate(values):
-                axes.plot(angles, factor * line, **_link_line(number, angles))
-            scales.plain_numbers(axes)
-            axes.set_ylabel(f"{words}\n({unit})")
-        motion.label_positions(drawn, over)
-    return drawn.figure
+    panes = []
+    for name, words, factor, unit in MOTIONS:
+        values = dataset[name].transpose("link", "crank_angle").values
+        named = enumerate(zip(reading.names_of(dataset, "link"), values, strict=True))
+        curves = [Curve(angles, line, _link_line(n, angles), link) for n, (link, line) in named]
+        panes.append(Pane(f"{words}\n", tuple(curves), ((factor, unit),), spans=(ZERO,)))
+    return motion.over_positions(over, panes, f"Motion of the links {reading.conditions(over)}")
 
 
 def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -90,30 +90,34 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     -------
     Figure
     """
+    return draw(
+        joint_forces_picture(dataset),
+        angle_panels.angle_layout([1] * dataset.sizes["joint"]),
+        ax=ax,
+    )
+
+
+def joint_forces_picture(dataset: xr.Dataset) -> Picture:
+    """Force at each joint, as of plot_joint_forces."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
-    joints = reading.names_of(dataset, "joint")
-    components = reading.names_of(dataset, "component")
-    factor, unit = reading.fitting_unit(dataset["joint_force"].values, reading.FORCE_UNITS)
-    with sheet(angle_panels.angle_layout([1] * len(joints)), ax=ax) as drawn:
-        handles = style.series_handles(f"along {name}" for name in components)
-        handles.append(style.line_handle("magnitude", **MAGNITUDE))
-        title = f"Joint forces {reading.conditions(dataset)}"
-        drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
-        for axes, joint in zip(drawn.panels, joints, strict=True):
-            drawn.title(axes, reading.joint_title(dataset, joint))
-            scales.zero_line(axes)
-            own = reading.values_of(
-                dataset["joint_force"].sel(joint=joint), "crank_angle", "component"
+    panes = []
+    for joint in reading.names_of(dataset, "joint"):
+        own = dataset.sel(joint=joint)
+        force = reading.values_of(own["joint_force"], "component", "crank_angle")
+        curves = [
+            Curve(angles, line, style.series_line(number, angles), f"along {component}")
+            for number, (component, line) in enumerate(
+                zip(reading.names_of(dataset, "component"), force, strict=True)
             )
-            axes.plot(angles, factor * np.linalg.norm(own, axis=-1), **MAGNITUDE, zorder=1.5)
-            for number, component in enumerate(components):
-                there = dataset.sel(joint=joint, component=component)
-                angle_panels.draw_line(axes, angles, factor * there["joint_force"].values, number)
-                if "lumped_joint_force" in there:
-                    axes.plot(angles, factor * there["lumped_joint_force"].values, **LUMPED)
-            scales.plain_numbers(axes)
-        motion.label_positions(drawn, over, f"Force ({unit})")
-    return drawn.figure
+        ]
+        curves.append(Curve(angles, np.linalg.norm(force, axis=0), MAGNITUDE, "magnitude"))
+        if "lumped_joint_force" in own:
+            lumped = reading.values_of(own["lumped_joint_force"], "component", "crank_angle")
+            curves += [_lumped(dataset, angles, line) for line in lumped]
+        title = reading.joint_title(dataset, joint)
+        panes.append(Pane("", tuple(curves), reading.FORCE_UNITS, title, (ZERO,)))
+    title = f"Joint forces {reading.conditions(over)}"
+    return motion.over_positions(over, panes, title, "Force")
 
 
 def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -132,35 +136,36 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
+    rows = 2 + ("transmission_angle" in dataset)
+    return draw(drive_picture(dataset), grid(rows, 1, 1.7 * rows + 0.3, sharex=True), ax=ax)
+
+
+def drive_picture(dataset: xr.Dataset) -> Picture:
+    """Driving torque, power and transmission angles, as of plot_drive."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
-    both = "transmission_angle" in dataset
-    rows = 2 + both
-    with sheet(grid(rows, 1, 1.7 * rows + 0.3, sharex=True), ax=ax) as drawn:
-        title = f"Drive {reading.conditions(dataset)}"
-        handles = style.series_handles(("crank drives", "rocker drives") if both else ())
-        drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
-        shown = (
-            ("driving_torque", "Torque", reading.TORQUE_UNITS),
-            ("driving_power", "Power", POWER),
+    both, panes = "transmission_angle" in dataset, []
+    line, other = (style.series_line(number, angles) for number in (0, 1))
+    shown = (("driving_torque", "Torque", reading.TORQUE_UNITS), ("driving_power", "Power", POWER))
+    for name, words, units in shown:
+        curves = [Curve(angles, dataset[name].values, line)]
+        if f"lumped_{name}" in dataset:
+            curves.append(_lumped(dataset, angles, dataset[f"lumped_{name}"].values))
+        panes.append(Pane(words, tuple(curves), units, spans=(ZERO,)))
+    if both:
+        angle, turned = (
+            np.degrees(dataset[f"{name}transmission_angle"].values) for name in ("", "reversed_")
         )
-        for axes, (name, words, units) in zip(drawn.panels, shown, strict=False):
-            factor, unit = reading.fitting_unit(dataset[name].values, units)
-            scales.zero_line(axes)
-            angle_panels.draw_line(axes, angles, factor * dataset[name].values, 0)
-            if f"lumped_{name}" in dataset:
-                axes.plot(angles, factor * dataset[f"lumped_{name}"].values, **LUMPED)
-            scales.plain_numbers(axes)
-            axes.set_ylabel(f"{words} ({unit})")
-        if both:
-            last = drawn.panels[-1]
-            last.axhline(90.0, color=style.LIGHT_GREY, lw=0.6, zorder=0)
-            for number, name in enumerate(("transmission_angle", "reversed_transmission_angle")):
-                angle_panels.draw_line(last, angles, np.degrees(dataset[name].values), number)
-            last.set_ylim(0.0, 180.0)
-            last.set_yticks([0, 45, 90, 135, 180])
-            last.set_ylabel("Transmission\nangle (deg)")
-        motion.label_positions(drawn, over)
-    return drawn.figure
+        curves = [Curve(angles, angle, line, "crank drives")]
+        curves.append(Curve(angles, turned, other, "rocker drives"))
+        panes.append(
+            Pane(
+                *("Transmission\nangle (deg)", tuple(curves)),
+                spans=(Span(90.0, 90.0, ZERO.look),),
+                limits=(0.0, 180.0),
+                ticks=(0.0, 45.0, 90.0, 135.0, 180.0),
+            )
+        )
+    return motion.over_positions(over, panes, f"Drive {reading.conditions(over)}")
 
 
 def _link_line(number: int, points: FloatArray | None = None) -> style.Look:
@@ -169,10 +174,10 @@ def _link_line(number: int, points: FloatArray | None = None) -> style.Look:
     return style.series_line(number, points) | {"lw": width}
 
 
-def _lumped_handle(dataset: xr.Dataset) -> list[Artist]:
-    if "lumped_joint_force" not in dataset:
-        return []
-    return [style.line_handle(f"{dataset.sizes['lump']} lumped masses", **LUMPED)]
+def _lumped(dataset: xr.Dataset, angles: FloatArray, values: FloatArray) -> Curve:
+    """What masses lumped at points exert."""
+    name = f"{dataset.sizes['lump']} lumped masses"
+    return Curve(angles, values, LUMPED, name, followed=None)
 
 
 def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:

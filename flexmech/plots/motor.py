@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.plots import reading, scales
+from flexmech.plots.drawing import draw
 from flexmech.plots.law import PRESCRIBED
-from flexmech.plots.layout import AxesLike, sheet
-from flexmech.plots.response import draw_engines, engine_lines
-from flexmech.plots.style import MID_GREY, Look, line_handle
+from flexmech.plots.layout import AxesLike
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span, by_engine
+from flexmech.plots.response import engine_panes, over_time
+from flexmech.plots.style import MID_GREY, Look
 
-SETTLED: Look = {"color": MID_GREY, "lw": 0.9, "ls": "--"}
+SETTLED: Look = {"color": MID_GREY, "lw": 0.9, "ls": "--", "zorder": 1.2}
 # Of the range of a speed that fluctuates, beside it.
 _ROOM = 0.15
 _PANELS: tuple[tuple[str, reading.Units, str], ...] = (
@@ -41,61 +42,42 @@ def plot_motor(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
+    picture = motor_picture(dataset)
+    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax)
+
+
+def motor_picture(dataset: xr.Dataset) -> Picture:
+    """Speed of the crank, and torque, power and current of the motor, as of plot_motor."""
+    time, speed = dataset["time"].values, dataset["crank_speed_over_time"]
     runs = "engine" in dataset["motor_torque"].dims
-    panels = [panel for panel in _PANELS if panel[0] in dataset]
-    with sheet(scales.time_layout(1 + len(panels)), ax=ax) as drawn:
-        settled = "elastic_settled_speed" in dataset.attrs
-        nominal = line_handle("settled, found directly" if settled else "rigid links", **PRESCRIBED)
-        handles = [*engine_lines(dataset), nominal] if runs else []
-        if "settled_crank_speed" in dataset:
-            handles.append(line_handle("range once settled (rigid links)", **SETTLED))
-        drawn.header(handles, f"Crank and motor\n{reading.conditions(dataset)}", of=dataset)
-        scales.label_times(drawn, dataset)
-        _draw_speed(drawn.panels[0], dataset, runs=runs)
-        if settled:
-            _fit_range(drawn.panels[0])
-        for axes, (name, units, what) in zip(drawn.panels[1:], panels, strict=False):
-            if runs:
-                draw_engines(axes, dataset[name], units, what)
-            else:
-                _draw(axes, dataset[name], units, what)
-    return drawn.figure
-
-
-def _fit_range(axes: Axes) -> None:
-    """Show how the speed fluctuates and not how far it is from zero."""
-    values = np.concatenate(
-        [np.asarray(line.get_ydata(), dtype=float) for line in axes.get_lines()]
-    )
-    values = values[np.abs(values) > 0]
-    room = _ROOM * float(np.ptp(values))
-    axes.set_ylim(float(values.min()) - room, float(values.max()) + room)
-
-
-def _draw_speed(axes: Axes, dataset: xr.Dataset, *, runs: bool) -> None:
-    """Speed of the crank: of all engines, and of the rigid or the settled motion."""
-    speed = dataset["crank_speed_over_time"]
+    settled = "elastic_settled_speed" in dataset.attrs
+    name = "settled, found directly" if settled else "rigid links"
+    curves = [Curve(time, speed.values, PRESCRIBED | {"zorder": 1.5}, name if runs else "")]
     if runs:
-        factor = draw_engines(
-            axes,
-            speed + dataset["crank_speed_fluctuation"],
-            reading.crank_speed_units(dataset),
-            "Crank\nspeed",
-        )
-        axes.plot(dataset["time"].values, factor * speed.values, **PRESCRIBED, zorder=1.5)
-    else:
-        factor = _draw(axes, speed, reading.crank_speed_units(dataset), "Crank\nspeed")
+        curves = by_engine(speed + dataset["crank_speed_fluctuation"], dataset) + curves
+    [(factor, unit)] = reading.crank_speed_units(dataset)
+    spans, limits = [ZERO], None
     if "settled_crank_speed" in dataset:
-        settled = dataset["settled_crank_speed"].values
-        for value in (settled.min(), settled.max()):
-            axes.axhline(factor * value, **SETTLED, zorder=1.2)
-
-
-def _draw(axes: Axes, values: xr.DataArray, units: reading.Units, what: str) -> float:
-    """Draw values, and return the factor to their unit."""
-    factor, unit = reading.fitting_unit(values.values, units)
-    scales.zero_line(axes)
-    axes.plot(values["time"].values, factor * values.values, **PRESCRIBED)
-    scales.plain_numbers(axes)
-    axes.set_ylabel(f"{what}\n({unit})")
-    return factor
+        found = factor * dataset["settled_crank_speed"].values
+        words = "range once settled (rigid links)"
+        spans += [Span(end, end, SETTLED, words) for end in (found.min(), found.max())]
+    if settled:
+        # How the speed fluctuates is to be seen, and not how far it is from zero.
+        values = np.concatenate([factor * curve.y for curve in curves])
+        values = np.append(values, [span.low for span in spans])
+        values = values[np.abs(values) > 0]
+        room = _ROOM * float(np.ptp(values))
+        limits = float(values.min()) - room, float(values.max()) + room
+    first = Pane(
+        "Crank\nspeed", tuple(curves), ((factor, unit),), spans=tuple(spans), limits=limits
+    )
+    shown = [(what, dataset[name], units) for name, units, what in _PANELS if name in dataset]
+    panes = [first]
+    if runs:
+        panes += engine_panes(dataset, shown)
+    else:
+        panes += [
+            Pane(what, (Curve(time, values.values, PRESCRIBED),), units, spans=(ZERO,))
+            for what, values, units in shown
+        ]
+    return over_time(dataset, panes, f"Crank and motor\n{reading.conditions(dataset)}")

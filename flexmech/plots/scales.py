@@ -106,24 +106,28 @@ def plain_numbers(axes: Axes) -> None:
     )
 
 
-def scale_y(axes: Axes, values: ArrayLike, *, least: float = 1e-9, least_part: float = 0.0) -> None:
-    """Fit the y axis to values, in plain numbers, and never so closely that one sees round-off.
+def limits_around(
+    values: ArrayLike, *, least: float = 1e-9, least_part: float = 0.0
+) -> tuple[float, float]:
+    """Limits of a y axis around values, never so near that one sees round-off.
 
     Parameters
     ----------
-    axes : Axes
     values : array_like
         All that the axis shall hold; not a number is left out.
     least : float
         Least span of the axis.
     least_part : float
         Least span as a part of the mean of the greatest and the least value.
+
+    Returns
+    -------
+    float, float
     """
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     middle = (low + high) / 2
     half = HALF_AXIS * max(high - low, least_part * abs(middle), least)
-    axes.set_ylim(middle - half, middle + half)
-    plain_numbers(axes)
+    return middle - half, middle + half
 
 
 def log_scale(axes: Axes, low: float, high: float, *, plain: bool = False) -> None:

@@ -13,10 +13,12 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
 from flexmech.arrays import FloatArray
-from flexmech.plots import angle_panels, motion, reading, scales, style
+from flexmech.plots import motion, reading, scales, style
+from flexmech.plots.drawing import draw
 from flexmech.plots.kinematics import MAGNITUDE
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.response import RIGID, draw_engines, engine_lines
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture
+from flexmech.plots.response import elastic_and_rigid, over_time
 
 # Of two panels above each other, and of two beside each other, in inches.
 _STACKED, _BESIDE = 3.9, 2.3
@@ -42,30 +44,28 @@ def plot_shaking_force(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     -------
     Figure
     """
+    return draw(shaking_picture(dataset), grid(2, 1, _STACKED, sharex=True), ax=ax)
+
+
+def shaking_picture(dataset: xr.Dataset) -> Picture:
+    """Shaking force and moment of the rigid linkage, as of plot_shaking_force."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
-    components = reading.names_of(dataset, "component")
-    with sheet(grid(2, 1, _STACKED, sharex=True), ax=ax) as drawn:
-        handles = style.series_handles(f"along {name}" for name in components)
-        handles.append(style.line_handle("magnitude", **MAGNITUDE))
-        title = f"Shaking force and moment {reading.conditions(dataset)}"
-        drawn.header(handles, title, of=dataset)
-        of_force, of_moment = drawn.panels
-        force = reading.values_of(dataset["shaking_force"], "crank_angle", "component")
-        factor, unit = reading.fitting_unit(force, reading.FORCE_UNITS)
-        scales.zero_line(of_force)
-        of_force.plot(angles, factor * np.linalg.norm(force, axis=-1), **MAGNITUDE, zorder=1.5)
-        for number in range(len(components)):
-            angle_panels.draw_line(of_force, angles, factor * force[:, number], number)
-        of_force.set_ylabel(f"Force ({unit})")
-        moment = dataset["shaking_moment"].values
-        factor, unit = reading.fitting_unit(moment, reading.TORQUE_UNITS)
-        scales.zero_line(of_moment)
-        angle_panels.draw_line(of_moment, angles, factor * moment, 0)
-        of_moment.set_ylabel(f"Moment about\n{moment_point(dataset)} ({unit})")
-        for axes in drawn.panels:
-            scales.plain_numbers(axes)
-        motion.label_positions(drawn, over)
-    return drawn.figure
+    force = reading.values_of(dataset["shaking_force"], "component", "crank_angle")
+    curves = [
+        Curve(angles, line, style.series_line(number, angles), f"along {name}")
+        for number, (name, line) in enumerate(
+            zip(reading.names_of(dataset, "component"), force, strict=True)
+        )
+    ]
+    curves.append(Curve(angles, np.linalg.norm(force, axis=0), MAGNITUDE, "magnitude"))
+    about = f"Moment about\n{moment_point(dataset)}"
+    moment = Curve(angles, dataset["shaking_moment"].values, style.series_line(0, angles))
+    panes = (
+        Pane("Force", tuple(curves), reading.FORCE_UNITS, spans=(ZERO,)),
+        Pane(about, (moment,), reading.TORQUE_UNITS, spans=(ZERO,)),
+    )
+    title = f"Shaking force and moment {reading.conditions(over)}"
+    return motion.over_positions(over, panes, title)
 
 
 def plot_running_shaking_force(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -84,27 +84,16 @@ def plot_running_shaking_force(dataset: xr.Dataset, *, ax: AxesLike | None = Non
     -------
     Figure
     """
-    names = [("shaking_force", one) for one in reading.names_of(dataset, "component")]
-    with sheet(scales.time_layout(len(names) + 1), ax=ax) as drawn:
-        handles = [*engine_lines(dataset), style.line_handle("rigid links", **RIGID)]
-        title = f"Shaking force and moment\n{reading.run_title(dataset)}"
-        drawn.header(handles, title, of=dataset)
-        scales.label_times(drawn, dataset)
-        for axes, (name, component) in zip(drawn.panels, names, strict=False):
-            one = dataset.sel(component=component)
-            forces = one[name], one[f"rigid_{name}"]
-            _draw_history(axes, *forces, reading.FORCE_UNITS, f"Force along {component}")
-        what = f"Moment about\n{moment_point(dataset)}"
-        moments = dataset["shaking_moment"], dataset["rigid_shaking_moment"]
-        _draw_history(drawn.panels[-1], *moments, reading.TORQUE_UNITS, what)
-    return drawn.figure
-
-
-def _draw_history(
-    axes: Axes, elastic: xr.DataArray, rigid: xr.DataArray, units: reading.Units, what: str
-) -> None:
-    factor = draw_engines(axes, elastic, units, what)
-    axes.plot(rigid["time"].values, factor * rigid.values, **RIGID, zorder=3)
+    panes = []
+    for one in reading.names_of(dataset, "component"):
+        along = dataset.sel(component=one)
+        forces = elastic_and_rigid(dataset, along["shaking_force"], along["rigid_shaking_force"])
+        panes.append(Pane(f"Force along {one}", forces, reading.FORCE_UNITS, spans=(ZERO,)))
+    moments = dataset["shaking_moment"], dataset["rigid_shaking_moment"]
+    about, curves = moment_point(dataset), elastic_and_rigid(dataset, *moments)
+    panes.append(Pane(f"Moment about\n{about}", curves, reading.TORQUE_UNITS, spans=(ZERO,)))
+    title = f"Shaking force and moment\n{reading.run_title(dataset)}"
+    return draw(over_time(dataset, panes, title), scales.time_layout(len(panes)), ax=ax)
 
 
 def plot_shaking_orders(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
