@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.arrays import SAME_PLACE
 from flexmech.plots import reading, scales, style
 from flexmech.plots.drawing import draw
 from flexmech.plots.layout import AxesLike, Sheet, grid
-from flexmech.plots.picture import ZERO, Curve, Pane, Picture, over_angles
+from flexmech.plots.picture import ZERO, Pane, Picture, over_angles, series
 from flexmech.plots.shaking import moment_point
 
 # Of two rows of two panels in inches: four of them fit a page in one column.
@@ -67,7 +67,7 @@ def balance_picture(dataset: xr.Dataset) -> Picture:
     force = np.linalg.norm(
         reading.values_of(dataset["shaking_force"], "state", "crank_angle", "component"), axis=-1
     )
-    sizes = _by_state(states, angles, force)
+    sizes = series(angles, force, states)
     if "elastic_shaking_force" in dataset:
         turned = np.degrees(dataset["elastic_angle"].values)
         running = dataset["elastic_shaking_force"]
@@ -76,22 +76,15 @@ def balance_picture(dataset: xr.Dataset) -> Picture:
         )
         sizes += [
             replace(one, name=f"{one.name}, elastic links", look=one.look | _ELASTIC)
-            for one in _by_state(states, turned, of_elastic)
+            for one in series(turned, of_elastic, states)
         ]
-    panes = [Pane("Shaking force", tuple(sizes), reading.FORCE_UNITS, spans=(ZERO,))]
+    panes = [Pane("Shaking force", sizes, reading.FORCE_UNITS, spans=(ZERO,))]
     for name, what in (
         ("shaking_moment", f"Shaking moment about\n{moment_point(dataset)}"),
         ("driving_torque", "Driving torque"),
     ):
         values = reading.values_of(dataset[name], "state", "crank_angle")
-        curves = tuple(_by_state(states, angles, values))
+        curves = series(angles, values, states)
         panes.append(Pane(what, curves, reading.TORQUE_UNITS, spans=(ZERO,)))
     title = f"Balance at {reading.drive_text(dataset)}"
     return over_angles(angles, panes, dataset, title)
-
-
-def _by_state(states: list[str], angles: FloatArray, values: FloatArray) -> list[Curve]:
-    return [
-        Curve(angles, line, style.series_line(number, angles), state)
-        for number, (state, line) in enumerate(zip(states, values, strict=True))
-    ]

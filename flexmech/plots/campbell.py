@@ -110,11 +110,9 @@ def campbell_picture(dataset: xr.Dataset) -> Picture:
     ]
     if "peak_ratio" in dataset:
         panes.append(_peaks(dataset))
-    label, title = f"Crank speed ({reading.speed_unit(dataset)})", "Campbell diagram"
-    return Picture(
-        *(tuple(panes), label, "speed", reading.speeds_of(dataset), dataset),
-        title + _left_out(dataset, shown),
-    )
+    label = f"Crank speed ({reading.speed_unit(dataset)})"
+    title, speeds = "Campbell diagram" + _left_out(dataset, shown), reading.speeds_of(dataset)
+    return Picture(panes, label, dataset, title, over="speed", places=speeds)
 
 
 def _shown_branches(dataset: xr.Dataset) -> list[int]:
@@ -266,7 +264,8 @@ def _peaks(dataset: xr.Dataset) -> Pane:
     if ratio.size:
         limits = min(0.9, 0.9 * float(ratio.min())), max(2.0, 1.25 * float(ratio.max()))
     return Pane(
-        *("Peak deflection over\nquasi-static peak", tuple(curves)),
+        "Peak deflection over\nquasi-static peak",
+        curves,
         spans=(Span(1.0, 1.0, RAY), *_gaps(dataset)),
         limits=limits,
         scale="plain log",

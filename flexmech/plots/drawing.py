@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from matplotlib import rcParamsDefault
+from matplotlib import rcParams, rcParamsDefault
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ from flexmech.plots import angle_panels, scales
 from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet
 from flexmech.plots.picture import Curve, Pane, Picture, Span
 from flexmech.plots.reading import spread
-from flexmech.plots.style import LABEL_POINTS, MID_GREY, Look, line_handle
+from flexmech.plots.style import MID_GREY, Look, line_handle
 
 # Width in points of a line with at most so many turning points in a panel of 450 points' width, so
 # that waves stay apart.
@@ -48,6 +48,7 @@ def draw(
     fewer: str = "",
     legend: Sequence[Artist] | None = None,
     by_hand: int = 0,
+    after: int = 0,
     finish: Callable[[Sheet], None] | None = None,
 ) -> Figure:
     """Draw a picture into a new figure, or into the user's axes.
@@ -63,8 +64,8 @@ def draw(
         Choice that leaves one pane, for the message.
     legend : sequence of Artist, optional
         Left out: the names of curves and spans, once.
-    by_hand : int
-        Panels before those of the picture, which it does not hold.
+    by_hand, after : int
+        Panels before and after those of the picture, which it does not hold.
     finish : callable, optional
         Draws them, and what else no picture holds, at the end.
 
@@ -83,7 +84,8 @@ def draw(
         if any(_is_blot(drawn.panels[0], one) for pane in picture.panes for one in pane.curves):
             handles.append(Patch(color="0.35", label="envelope of the vibration", **ENVELOPE))
         drawn.header(handles, picture.title, of=picture.of)
-        _draw_panes(replace(drawn, panels=drawn.panels[by_hand:]), picture)
+        own = drawn.panels[by_hand : len(drawn.panels) - after]
+        _draw_panes(replace(drawn, panels=own), picture)
         if finish is not None:
             finish(drawn)
     return drawn.figure
@@ -105,7 +107,8 @@ def _draw_panes(drawn: Sheet, picture: Picture) -> None:
         draw_pane(axes, pane)
         if pane.title:
             drawn.title(axes, pane.title)
-    drawn.label_x(picture.x_label)
+    if picture.x_label:
+        drawn.label_x(picture.x_label)
     if picture.y_label:
         drawn.label_y(picture.y_label)
     if picture.over == "speed":
@@ -125,7 +128,7 @@ def _legend(picture: Picture) -> list[Artist]:
 def _entry(same: Sequence[Curve | Span]) -> Artist:
     """What the legend has of curves or spans of one name: bands of several colours are grey."""
     one = same[0]
-    filled = one.low < one.high if isinstance(one, Span) else one.upto is not None
+    filled = one.is_filled if isinstance(one, Span) else one.upto is not None
     look = {key: value for key, value in one.look.items() if key not in NOT_IN_LEGEND}
     if not filled:
         return line_handle(one.name, **look)
@@ -144,7 +147,7 @@ def draw_pane(axes: Axes, pane: Pane) -> None:
         In its unit.
     """
     for span in pane.spans:
-        if span.low < span.high:
+        if span.is_filled:
             fill = axes.axvspan if span.upright else axes.axhspan
             fill(span.low, span.high, **span.look)
         else:
@@ -167,6 +170,10 @@ def draw_pane(axes: Axes, pane: Pane) -> None:
             axes.set_ylim(*pane.limits)
     if pane.ticks:
         axes.set_yticks(pane.ticks)
+    if pane.named:
+        axes.set_xticks(range(1, len(pane.named) + 1), pane.named)
+    if pane.along:
+        axes.set_xlabel(pane.along)
     _label_ends(axes, pane)
     if pane.label:
         axes.set_ylabel(pane.label)
@@ -178,7 +185,8 @@ def _label_ends(axes: Axes, pane: Pane) -> None:
     A curve that leaves the axes at their top has its label to the left of it, as above may stand
     another axis.
     """
-    look: Look = {"textcoords": "offset points", "fontsize": LABEL_POINTS, "color": MID_GREY}
+    look: Look = {"textcoords": "offset points", "color": MID_GREY}
+    look["fontsize"] = rcParams["xtick.labelsize"]
     right = axes.get_xlim()[1]
     named = [one for one in pane.curves if one.label and np.isfinite(one.y[-1])]
     aside = sorted((float(one.y[-1]), one.label) for one in named if one.x[-1] >= right)
@@ -197,8 +205,8 @@ def _label_ends(axes: Axes, pane: Pane) -> None:
 
 
 def _mark_lone_points(axes: Axes, curve: Curve) -> None:
-    """Draw a dot where a value of a line stands alone, between others that are not known."""
-    if curve.look.get("marker") or len(curve.x) < 2:
+    """Draw a dot where a value of a named line stands alone, between others that are not known."""
+    if curve.look.get("marker") or not curve.name or len(curve.x) < 2:
         return
     present = np.concatenate([[False], np.isfinite(curve.y), [False]])
     alone = present[1:-1] & ~present[:-2] & ~present[2:]

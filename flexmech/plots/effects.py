@@ -121,7 +121,7 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
         shown = np.vstack([changes, whole, 0.0 * angles])
         limits = scales.limits_around(shown, least=LEAST_BAND)
         title = mode_label([mode])
-        panes.append(Pane("", tuple(curves), title=title, spans=(NOTHING,), limits=limits))
+        panes.append(Pane("", curves, title=title, spans=(NOTHING,), limits=limits))
     title = f"Change of frequency from rest to {speed}, by term"
     picture = over_angles(angles, panes, dataset, title, "Change of frequency (Hz)")
     return _draw_modes(picture, ax)
@@ -230,7 +230,8 @@ def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) ->
     layout = grid(len(ratios), 1, sum(ratios) + 0.5, sharex=True, height_ratios=ratios)
     panes = [
         Pane(
-            *("Frequency\n(Hz)", _frequencies(angles, *pair, series_style(number).color)),
+            "Frequency\n(Hz)",
+            _frequencies(angles, *pair, series_style(number).color),
             title=mode_label([mode]),
             limits=scales.limits_around(pair, least_part=scales.FREQUENCY_BAND),
         )
@@ -275,7 +276,8 @@ def _difference(angles: FloatArray, percent: FloatArray) -> Pane:
         for number, values in enumerate(engines):
             curves.append(Curve(angles, values, look | {"ls": "-" if number == 0 else ":"}))
     return Pane(
-        *("Difference\n(%)", tuple(curves)),
+        "Difference\n(%)",
+        curves,
         title="Running against quasi-static",
         spans=(NOTHING,),
         limits=scales.limits_around(np.append(percent, 0.0), least=LEAST_DIFFERENCE),
@@ -348,7 +350,7 @@ def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
             Curve(check_angles, values, line | {"zorder": 1.5, "clip_on": False})
             for values, line in zip(errors, ERRORS, strict=False)
         ]
-        panes.append(Pane("", tuple(curves), title=mode_label([mode]), limits=limits, scale="log"))
+        panes.append(Pane("", curves, title=mode_label([mode]), limits=limits, scale="log"))
     first, second = (engine_label(dataset, engine) for engine in (0, 1))
     title = f"Frequencies of {second} against {first}"
     picture = over_angles(angles, panes, dataset, title, "Relative difference (-)")

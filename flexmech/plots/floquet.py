@@ -73,13 +73,14 @@ def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None)
         curves.append(Curve(speed, along, _points(branch), name))
     curves += _moving(dataset)
     pane = Pane(
-        *("Frequency (Hz)", tuple(curves)),
+        "Frequency (Hz)",
+        curves,
         spans=speed_spans(dataset),
         limits=_limits(dataset, frequency),
         scale="plain log",
     )
     label = f"Crank speed ({speed_unit(dataset)})"
-    picture = Picture((pane,), label, "speed", speed, dataset, "Floquet frequencies")
+    picture = Picture([pane], label, dataset, "Floquet frequencies", over="speed", places=speed)
 
     def number(drawn: Sheet) -> None:
         (axes,) = drawn.panels

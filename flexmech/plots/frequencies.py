@@ -100,7 +100,8 @@ def frequencies_picture(dataset: xr.Dataset) -> Picture:
         title = reading.mode_label(dataset["mode"].values[group].tolist())
         panes.append(
             Pane(
-                *("", tuple(curves)),
+                "",
+                curves,
                 title=title,
                 spans=_where_veering(angles, veering[..., group]),
                 limits=scales.limits_around(shown, least_part=scales.FREQUENCY_BAND),
@@ -226,15 +227,11 @@ def plot_frequencies_over_speed(dataset: xr.Dataset, *, ax: AxesLike | None = No
             curves += angle_panels.series_curves(speeds, values, nowhere, series)
         limits = scales.limits_around(frequency[..., number], least_part=scales.FREQUENCY_BAND)
         heading = reading.mode_label([mode])
-        panes.append(Pane("", tuple(curves), title=heading, limits=limits))
+        panes.append(Pane("", curves, title=heading, limits=limits))
+    label, title = reading.speed_unit(dataset), "Natural frequencies over crank speed"
+    ends = np.array(scales.speed_limits(dataset))
     picture = Picture(
-        tuple(panes),
-        f"Crank speed ({reading.speed_unit(dataset)})",
-        "number",
-        np.array(scales.speed_limits(dataset)),
-        dataset,
-        "Natural frequencies over crank speed",
-        "Frequency (Hz)",
+        panes, f"Crank speed ({label})", dataset, title, "Frequency (Hz)", places=ends
     )
     return draw(
         picture,
@@ -344,5 +341,5 @@ def damping_picture(dataset: xr.Dataset, name: str) -> Picture:
             curves += angle_panels.series_curves(
                 angles, np.moveaxis(values, 0, -1), along.T, series
             )
-        panes.append(Pane("", tuple(curves), title=text, limits=limits))
+        panes.append(Pane("", curves, title=text, limits=limits))
     return over_angles(angles, panes, dataset, title, "Damping ratio (%)")

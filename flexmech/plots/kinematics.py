@@ -6,17 +6,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.transforms import Affine2D
 
 from flexmech.arrays import FloatArray
-from flexmech.plots import angle_panels, motion, reading, scales, style
+from flexmech.plots import angle_panels, motion, reading, style
 from flexmech.plots.drawing import draw
 from flexmech.plots.drawn_linkage.parts import drawn_posture
 from flexmech.plots.drawn_linkage.sketch import RIGID, SMALL, LinkageSketch
 from flexmech.plots.drawn_linkage.symbols import add_symbols
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span, over_angles, series
 
 POWER: reading.Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 # Motion of a link: variable, what it is, factor from the SI unit, and unit.
@@ -69,9 +68,8 @@ def link_motion_picture(dataset: xr.Dataset) -> Picture:
     panes = []
     for name, words, factor, unit in MOTIONS:
         values = dataset[name].transpose("link", "crank_angle").values
-        named = enumerate(zip(reading.names_of(dataset, "link"), values, strict=True))
-        curves = [Curve(angles, line, _link_line(n, angles), link) for n, (link, line) in named]
-        panes.append(Pane(f"{words}\n", tuple(curves), ((factor, unit),), spans=(ZERO,)))
+        curves = series(angles, factor * values, reading.names_of(dataset, "link"), _link_line)
+        panes.append(Pane(f"{words}\n({unit})", curves, spans=(ZERO,)))
     return motion.over_positions(over, panes, f"Motion of the links {reading.conditions(over)}")
 
 
@@ -104,18 +102,14 @@ def joint_forces_picture(dataset: xr.Dataset) -> Picture:
     for joint in reading.names_of(dataset, "joint"):
         own = dataset.sel(joint=joint)
         force = reading.values_of(own["joint_force"], "component", "crank_angle")
-        curves = [
-            Curve(angles, line, style.series_line(number, angles), f"along {component}")
-            for number, (component, line) in enumerate(
-                zip(reading.names_of(dataset, "component"), force, strict=True)
-            )
-        ]
+        names = [f"along {name}" for name in reading.names_of(dataset, "component")]
+        curves = series(angles, force, names)
         curves.append(Curve(angles, np.linalg.norm(force, axis=0), MAGNITUDE, "magnitude"))
         if "lumped_joint_force" in own:
             lumped = reading.values_of(own["lumped_joint_force"], "component", "crank_angle")
             curves += [_lumped(dataset, angles, line) for line in lumped]
         title = reading.joint_title(dataset, joint)
-        panes.append(Pane("", tuple(curves), reading.FORCE_UNITS, title, (ZERO,)))
+        panes.append(Pane("", curves, reading.FORCE_UNITS, title, (ZERO,)))
     title = f"Joint forces {reading.conditions(over)}"
     return motion.over_positions(over, panes, title, "Force")
 
@@ -144,22 +138,20 @@ def drive_picture(dataset: xr.Dataset) -> Picture:
     """Driving torque, power and transmission angles, as of plot_drive."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
     both, panes = "transmission_angle" in dataset, []
-    line, other = (style.series_line(number, angles) for number in (0, 1))
     shown = (("driving_torque", "Torque", reading.TORQUE_UNITS), ("driving_power", "Power", POWER))
     for name, words, units in shown:
-        curves = [Curve(angles, dataset[name].values, line)]
+        curves = [Curve(angles, dataset[name].values, style.series_line(0, angles))]
         if f"lumped_{name}" in dataset:
             curves.append(_lumped(dataset, angles, dataset[f"lumped_{name}"].values))
-        panes.append(Pane(words, tuple(curves), units, spans=(ZERO,)))
+        panes.append(Pane(words, curves, units, spans=(ZERO,)))
     if both:
         angle, turned = (
             np.degrees(dataset[f"{name}transmission_angle"].values) for name in ("", "reversed_")
         )
-        curves = [Curve(angles, angle, line, "crank drives")]
-        curves.append(Curve(angles, turned, other, "rocker drives"))
         panes.append(
             Pane(
-                *("Transmission\nangle (deg)", tuple(curves)),
+                "Transmission\nangle (deg)",
+                series(angles, (angle, turned), ("crank drives", "rocker drives")),
                 spans=(Span(90.0, 90.0, ZERO.look),),
                 limits=(0.0, 180.0),
                 ticks=(0.0, 45.0, 90.0, 135.0, 180.0),
@@ -204,22 +196,16 @@ def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) 
         If there are no linkages, or more than there are styles to tell them apart.
     """
     names = style.distinct_names(reading.names_of(dataset, "linkage"))
-    curves = np.degrees(reading.values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
+    values = np.degrees(reading.values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
     angles, attrs = reading.degrees(dataset["crank_angle"]), dataset.attrs
-    with sheet(grid(1, 1, 3.2), ax=ax) as drawn:
-        (axes,) = drawn.panels
-        handles = style.series_handles(names)
-        if "wanted_least" in attrs:
-            wanted = np.degrees([attrs["wanted_least"], attrs["wanted_greatest"]])
-            axes.axhspan(*wanted, color=style.LIGHT_GREY, zorder=0)
-            words = attrs.get("wanted_label", "wanted range")
-            handles.append(Patch(color=style.LIGHT_GREY, label=words))
-        drawn.header(handles, str(attrs.get("title", TITLE)), of=dataset)
-        axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
-        for number, values in enumerate(curves):
-            axes.plot(angles, values, **style.series_line(number))
-        angle_panels.label_angles(drawn, angles, "Transmission angle (deg)")
-    return drawn.figure
+    spans = [Span(90.0, 90.0, {"color": style.MID_GREY, "lw": 0.6, "zorder": 1})]
+    if "wanted_least" in attrs:
+        low, high = np.degrees([attrs["wanted_least"], attrs["wanted_greatest"]])
+        words = str(attrs.get("wanted_label", "wanted range"))
+        spans.append(Span(low, high, {"color": style.LIGHT_GREY, "zorder": 0}, words))
+    pane = Pane("Transmission angle (deg)", series(angles, values, names), spans=spans)
+    picture = over_angles(angles, [pane], dataset, str(attrs.get("title", TITLE)))
+    return draw(picture, grid(1, 1, 3.2), ax=ax)
 
 
 def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -321,25 +307,19 @@ def plot_coupler_angles(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> F
     change = angle - angle[:, :1]
     # Two unwrapped angles may be whole turns apart.
     change -= 360.0 * np.round(change.mean(axis=-1, keepdims=True) / 360.0)
-    rows = 2 if len(states) > 1 else 1
+    panes, links = [], reading.names_of(dataset, "link")
+    for number, (link, lines) in enumerate(zip(links, angle, strict=True), 3):
+        title = f"{link.capitalize()}, $\\theta_{number}$"
+        curves = series(angles, lines, states)
+        panes.append(Pane(rf"$\theta_{number}$ (deg)", curves, title=title))
+    zero = Span(0.0, 0.0, {"color": style.MID_GREY, "lw": 0.6, "zorder": 1})
+    for number, lines in enumerate(change if len(states) > 1 else (), 3):
+        curves = series(angles, lines, states)[1:]
+        panes.append(Pane(rf"Change of $\theta_{number}$ (deg)", curves, spans=[zero]))
+    rows = len(panes) // 2
     layout = grid(rows, 2, ANGLE_HEIGHT if rows > 1 else ANGLE_HEIGHT / 2 + 0.5, sharex=True)
-    with sheet(layout, ax=ax) as drawn:
-        drawn.header(style.series_handles(states), "Angles of coupler and rocker", of=dataset)
-        for place, axes in enumerate(drawn.panels):
-            row, link = divmod(place, 2)
-            symbol = rf"$\theta_{link + 3}$"
-            if row == 0:
-                axes.set_title(f"{reading.names_of(dataset, 'link')[link].capitalize()}, {symbol}")
-            else:
-                axes.axhline(0.0, color=style.MID_GREY, lw=0.6, zorder=1)
-            for number in range(row, len(states)):
-                values = (angle, change)[row][link, number]
-                axes.plot(angles, values, **style.series_line(number, angles))
-            scales.plain_numbers(axes)
-            scales.crank_angle_axis(axes, angles)
-            axes.set_ylabel(f"{('', 'Change of ')[row]}{symbol} (deg)")
-        drawn.label_x("Crank angle (deg)")
-    return drawn.figure
+    title = "Angles of coupler and rocker"
+    return draw(over_angles(angles, panes, dataset, title), layout, ax=ax)
 
 
 def _is_curve(dataset: xr.Dataset) -> bool:

@@ -59,7 +59,7 @@ def plot_law(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     ]
     if runs:
         power = engine_panes(dataset, [("Driving\npower", dataset["driving_power"], POWER)])
-        panes += [replace(pane, spans=pane.spans + stop) for pane in power]
+        panes += [replace(pane, spans=[*pane.spans, *stop]) for pane in power]
     title = f"Motion of the crank\n{reading.conditions(dataset)}"
     return draw(over_time(dataset, panes, title), scales.time_layout(len(panes)), ax=ax)
 
@@ -94,5 +94,5 @@ def plot_residual(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         curves = (*by_engine(own["deflection"], dataset), *edges)
         panes.append(Pane(what, curves, reading.LENGTH_UNITS, spans=(ZERO,)))
     title = f"Vibration after the stop\n{reading.run_title(dataset)}"
-    picture = Picture(tuple(panes), "Time (s)", "number", time, dataset, title)
+    picture = Picture(panes, "Time (s)", dataset, title, places=time)
     return draw(picture, scales.time_layout(len(panes)), ax=ax)

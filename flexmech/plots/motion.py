@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -126,7 +126,7 @@ def positions(dataset: xr.Dataset) -> tuple[xr.Dataset, FloatArray]:
 
 
 def over_positions(
-    dataset: xr.Dataset, panes: Iterable[Pane], title: str, y_label: str = ""
+    dataset: xr.Dataset, panes: Sequence[Pane], title: str, y_label: str = ""
 ) -> Picture:
     """A picture over the crank angle, or over time under a law of motion.
 
@@ -134,7 +134,7 @@ def over_positions(
     ----------
     dataset : Dataset
         Over ``crank_angle``, or over ``time``.
-    panes : iterable of Pane
+    panes : sequence of Pane
     title : str
     y_label : str
         Of all axes along y; left out where they differ.
@@ -147,7 +147,7 @@ def over_positions(
     along = "Time (s)" if timed else "Crank angle (deg)"
     places = positions(dataset)[1]
     kind: Literal["number", "angle"] = "number" if timed else "angle"
-    return Picture(tuple(panes), along, kind, places, dataset, title, y_label)
+    return Picture(panes, along, dataset, title, y_label, kind, places)
 
 
 def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:

@@ -55,22 +55,20 @@ def motor_picture(dataset: xr.Dataset) -> Picture:
     curves = [Curve(time, speed.values, PRESCRIBED | {"zorder": 1.5}, name if runs else "")]
     if runs:
         curves = by_engine(speed + dataset["crank_speed_fluctuation"], dataset) + curves
-    [(factor, unit)] = reading.crank_speed_units(dataset)
     spans, limits = [ZERO], None
     if "settled_crank_speed" in dataset:
-        found = factor * dataset["settled_crank_speed"].values
+        found = dataset["settled_crank_speed"].values
         words = "range once settled (rigid links)"
         spans += [Span(end, end, SETTLED, words) for end in (found.min(), found.max())]
     if settled:
         # How the speed fluctuates is to be seen, and not how far it is from zero.
-        values = np.concatenate([factor * curve.y for curve in curves])
+        values = np.concatenate([curve.y for curve in curves])
         values = np.append(values, [span.low for span in spans])
         values = values[np.abs(values) > 0]
         room = _ROOM * float(np.ptp(values))
         limits = float(values.min()) - room, float(values.max()) + room
-    first = Pane(
-        "Crank\nspeed", tuple(curves), ((factor, unit),), spans=tuple(spans), limits=limits
-    )
+    units = reading.crank_speed_units(dataset)
+    first = Pane("Crank\nspeed", curves, units, spans=spans, limits=limits)
     shown = [(what, dataset[name], units) for name, units, what in _PANELS if name in dataset]
     panes = [first]
     if runs:

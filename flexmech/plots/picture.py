@@ -6,7 +6,7 @@ draws it by matplotlib, ``flexmech.report.plotted`` writes it for plotly; neithe
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -75,6 +75,8 @@ class Span:
         In the legend; empty: it is not named.
     upright : bool
         Whether it stands at a place along x.
+    when : mapping
+        What the reader of a page must have chosen for it to be shown.
     """
 
     low: float
@@ -82,6 +84,12 @@ class Span:
     look: Look
     name: str = ""
     upright: bool = False
+    when: Choice = field(default_factory=dict)
+
+    @property
+    def is_filled(self) -> bool:
+        """Whether it is a stripe, which may have no width."""
+        return self.low < self.high or "facecolor" in self.look
 
 
 ZERO = Span(0.0, 0.0, {"color": LIGHT_GREY, "lw": 0.6, "zorder": 0})
@@ -96,46 +104,57 @@ class Pane:
     ----------
     label : str
         Of the axis along y, without the unit where there are ``units`` to choose from.
-    curves : tuple of Curve
-        In the SI unit where there are ``units``.
+    curves : sequence of Curve
+        In the SI unit where there are ``units``, as spans and limits.
     units : tuple of (float, str)
         Factors and names of units that the axis may have: the first in which the curves can be
         read is taken. Empty: the curves are in the unit of the label.
     title : str
         Above the pane.
-    spans : tuple of Span
+    spans : sequence of Span
     limits : (float, float), optional
         Of the axis along y.
     scale : {"linear", "log", "plain log"}
         Of that axis: a logarithmic one has numbers in powers of ten, or in full.
-    ticks : tuple of float
+    ticks : sequence of float
         Along y; empty: as matplotlib chooses them.
     height : float
         Over that of other panes, where they stand above each other on a page.
+    along : str
+        Label of its axis along x, where panes differ in it.
+    named : sequence of str
+        What stands at 1, 2, 3 and so on along x; empty: numbers.
     """
 
     label: str
-    curves: tuple[Curve, ...]
+    curves: Sequence[Curve]
     units: Units = ()
     title: str = ""
-    spans: tuple[Span, ...] = ()
+    spans: Sequence[Span] = ()
     limits: tuple[float, float] | None = None
     scale: Literal["linear", "log", "plain log"] = "linear"
-    ticks: tuple[float, ...] = ()
+    ticks: Sequence[float] = ()
     height: float = 1.0
+    along: str = ""
+    named: Sequence[str] = ()
 
     def times(self, factor: float, unit: str) -> Pane:
         """The pane with its curves in a unit, which stands beside them."""
         label = f"{self.label} ({unit})".replace("\n (", "\n(") if self.label else ""
-        curves = tuple(
+        curves = [
             replace(
                 one,
                 y=factor * one.y,
                 upto=None if one.upto is None else factor * one.upto,
             )
             for one in self.curves
-        )
-        return replace(self, label=label, curves=curves, units=())
+        ]
+        limits = None if self.limits is None else (factor * self.limits[0], factor * self.limits[1])
+        spans = [
+            one if one.upright else replace(one, low=factor * one.low, high=factor * one.high)
+            for one in self.spans
+        ]
+        return replace(self, label=label, curves=curves, spans=spans, limits=limits, units=())
 
 
 @dataclass(frozen=True)
@@ -144,14 +163,9 @@ class Picture:
 
     Parameters
     ----------
-    panes : tuple of Pane
+    panes : sequence of Pane
     x_label : str
         Of the axis along x, with its unit.
-    over : {"angle", "time", "speed", "number"}
-        What runs along x: crank angle in degrees, time with the crank angle on a second axis, crank
-        speed with another unit on it, or any other number.
-    places : ndarray
-        Along x that the axis shall hold, ascending.
     of : Dataset
         Whose mechanism and terms the heading names.
     title : str
@@ -159,24 +173,29 @@ class Picture:
     y_label : str
         Of all axes along y, with the unit or with units to choose from as a pane's label; empty
         where they differ.
+    over : {"angle", "time", "speed", "number", "plane"}
+        What runs along x: crank angle in degrees, time with the crank angle on a second axis, crank
+        speed with another unit on it, any other number, or a place in the plane, at one scale.
+    places : ndarray
+        Along x that the axis shall hold, ascending; empty: what the curves take.
     """
 
-    panes: tuple[Pane, ...]
+    panes: Sequence[Pane]
     x_label: str
-    over: Literal["angle", "time", "speed", "number"]
-    places: FloatArray
     of: xr.Dataset
     title: str = ""
     y_label: str = ""
+    over: Literal["angle", "time", "speed", "number", "plane"] = "number"
+    places: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def in_units(self) -> Picture:
         """The picture with all curves in the units in which they can be read."""
         if not self.y_label:
-            return replace(self, panes=tuple(map(_in_its_unit, self.panes)))
+            return replace(self, panes=[_in_its_unit(pane) for pane in self.panes])
         if not self.panes[0].units:
             return self
         factor, unit = _unit_of(self.panes)
-        panes = tuple(pane.times(factor, unit) for pane in self.panes)
+        panes = [pane.times(factor, unit) for pane in self.panes]
         return replace(self, panes=panes, y_label=f"{self.y_label} ({unit})")
 
 
@@ -190,10 +209,49 @@ def _unit_of(panes: Sequence[Pane]) -> tuple[float, str]:
 
 
 def over_angles(
-    angles: FloatArray, panes: Iterable[Pane], of: xr.Dataset, title: str = "", y_label: str = ""
+    angles: FloatArray, panes: Sequence[Pane], of: xr.Dataset, title: str = "", y_label: str = ""
 ) -> Picture:
-    """A picture over the crank angle in degrees; see :class:`Picture`."""
-    return Picture(tuple(panes), "Crank angle (deg)", "angle", angles, of, title, y_label)
+    """A picture over the crank angle.
+
+    Parameters
+    ----------
+    angles : ndarray
+        In degrees, ascending.
+    panes : sequence of Pane
+    of : Dataset
+    title, y_label : str
+        As of :class:`Picture`.
+
+    Returns
+    -------
+    Picture
+    """
+    return Picture(panes, "Crank angle (deg)", of, title, y_label, "angle", angles)
+
+
+def series(
+    x: FloatArray,
+    rows: Iterable[FloatArray],
+    names: Iterable[str],
+    look: Callable[[int, FloatArray], Look] = series_line,
+) -> list[Curve]:
+    """Rows of numbers as curves, each in the style of its number.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    rows : iterable of ndarray, shape (n,)
+    names : iterable of str
+        In the legend.
+    look : callable
+        Look by number and ``x``.
+
+    Returns
+    -------
+    list of Curve
+    """
+    named = enumerate(zip(rows, names, strict=True))
+    return [Curve(x, row, look(number, x), name) for number, (row, name) in named]
 
 
 def by_engine(values: xr.DataArray, dataset: xr.Dataset) -> list[Curve]:
@@ -237,8 +295,11 @@ def joined(pictures: Sequence[tuple[Choice, Picture]]) -> Picture:
     panes: dict[tuple[str, str], Pane] = {}
     for when, picture in pictures:
         for pane in picture.panes:
-            curves = tuple(replace(one, when={**one.when, **when}) for one in pane.curves)
+            curves = [replace(one, when={**one.when, **when}) for one in pane.curves]
+            spans = [replace(one, when={**one.when, **when}) for one in pane.spans]
             key = pane.label, pane.title
-            before = panes[key].curves if key in panes else ()
-            panes[key] = replace(pane, curves=before + curves)
-    return replace(pictures[0][1], panes=tuple(panes.values()))
+            if key in panes:
+                curves, spans = [*panes[key].curves, *curves], [*panes[key].spans, *spans]
+            panes[key] = replace(pane, curves=curves, spans=spans)
+    places = np.unique(np.concatenate([picture.places for _, picture in pictures]))
+    return replace(pictures[0][1], panes=list(panes.values()), places=places)

@@ -6,14 +6,13 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from flexmech.plots import reading, scales
 from flexmech.plots.drawing import draw
 from flexmech.plots.layout import AxesLike
 from flexmech.plots.picture import ZERO, Curve, Pane, Picture, by_engine
-from flexmech.plots.style import Look, series_handles
+from flexmech.plots.style import Look
 
 ROTATION_UNITS: reading.Units = ((np.degrees(1.0), "deg"),)
 SPEED_UNITS: reading.Units = ((1.0, "rad/s"), (1e3, "mrad/s"), (1e6, "µrad/s"))
@@ -72,21 +71,21 @@ def shaft_panes(dataset: xr.Dataset) -> list[Pane]:
     return engine_panes(dataset, [rotation, speed])
 
 
-def over_time(dataset: xr.Dataset, panes: Iterable[Pane], title: str) -> Picture:
+def over_time(dataset: xr.Dataset, panes: Sequence[Pane], title: str) -> Picture:
     """A picture against time, with the crank angle on a second axis.
 
     Parameters
     ----------
     dataset : Dataset
         With ``time`` and ``crank_angle``.
-    panes : iterable of Pane
+    panes : sequence of Pane
     title : str
 
     Returns
     -------
     Picture
     """
-    return Picture(tuple(panes), "Time (s)", "time", dataset["time"].values, dataset, title)
+    return Picture(panes, "Time (s)", dataset, title, over="time", places=dataset["time"].values)
 
 
 def engine_panes(
@@ -105,7 +104,7 @@ def engine_panes(
     list of Pane
     """
     return [
-        Pane(what, tuple(by_engine(values, dataset)), units, spans=(ZERO,))
+        Pane(what, by_engine(values, dataset), units, spans=(ZERO,))
         for what, values, units in shown
     ]
 
@@ -173,7 +172,18 @@ def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Pictu
 def elastic_and_rigid(
     dataset: xr.Dataset, elastic: xr.DataArray, rigid: xr.DataArray
 ) -> tuple[Curve, ...]:
-    """A load by all engines against time, and of rigid links."""
+    """A load by all engines against time, and of rigid links.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    elastic, rigid : DataArray
+        With dims engine and time, and time.
+
+    Returns
+    -------
+    tuple of Curve
+    """
     line = Curve(rigid["time"].values, rigid.values, RIGID, "rigid links", followed=None)
     return (*by_engine(elastic, dataset), line)
 
@@ -184,8 +194,3 @@ def _magnitude(force: xr.DataArray) -> xr.DataArray:
         lambda parts: np.linalg.norm(parts, axis=-1), force, input_core_dims=[["component"]]
     )
     return size
-
-
-def engine_lines(dataset: xr.Dataset) -> list[Artist]:
-    """Legend entries of engines that are all drawn as lines."""
-    return series_handles(reading.engine_label(dataset, n) for n in range(dataset.sizes["engine"]))

@@ -19,6 +19,9 @@ from flexmech.units import from_si
 DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0, 360.0)
 """Distances of ticks at round angles."""
 
+PHASES, PHASE_TICKS = (-190.0, 190.0), (-180.0, -90.0, 0.0, 90.0, 180.0)
+"""Ends and ticks of an axis of phases in degrees."""
+
 FREQUENCY_BAND = 4e-3
 """Narrowest axis of frequencies as a part of them, four times the error by the mesh that is
 allowed: below it one would look at that."""
@@ -196,8 +199,8 @@ def log_limits(values: ArrayLike, decades: float) -> tuple[float, float]:
 
 def phase_axis(axes: Axes) -> None:
     """Scale the y axis to phases in degrees, from half a turn below zero to half a turn above."""
-    axes.set_ylim(-190.0, 190.0)
-    axes.set_yticks([-180.0, -90.0, 0.0, 90.0, 180.0])
+    axes.set_ylim(*PHASES)
+    axes.set_yticks(PHASE_TICKS)
 
 
 def phase_of(values: ComplexArray) -> FloatArray:

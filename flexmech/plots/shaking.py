@@ -17,7 +17,7 @@ from flexmech.plots import motion, reading, scales, style
 from flexmech.plots.drawing import draw
 from flexmech.plots.kinematics import MAGNITUDE
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.picture import ZERO, Curve, Pane, Picture
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, series
 from flexmech.plots.response import elastic_and_rigid, over_time
 
 # Of two panels above each other, and of two beside each other, in inches.
@@ -51,17 +51,13 @@ def shaking_picture(dataset: xr.Dataset) -> Picture:
     """Shaking force and moment of the rigid linkage, as of plot_shaking_force."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
     force = reading.values_of(dataset["shaking_force"], "component", "crank_angle")
-    curves = [
-        Curve(angles, line, style.series_line(number, angles), f"along {name}")
-        for number, (name, line) in enumerate(
-            zip(reading.names_of(dataset, "component"), force, strict=True)
-        )
-    ]
+    names = [f"along {name}" for name in reading.names_of(dataset, "component")]
+    curves = series(angles, force, names)
     curves.append(Curve(angles, np.linalg.norm(force, axis=0), MAGNITUDE, "magnitude"))
     about = f"Moment about\n{moment_point(dataset)}"
     moment = Curve(angles, dataset["shaking_moment"].values, style.series_line(0, angles))
     panes = (
-        Pane("Force", tuple(curves), reading.FORCE_UNITS, spans=(ZERO,)),
+        Pane("Force", curves, reading.FORCE_UNITS, spans=(ZERO,)),
         Pane(about, (moment,), reading.TORQUE_UNITS, spans=(ZERO,)),
     )
     title = f"Shaking force and moment {reading.conditions(over)}"

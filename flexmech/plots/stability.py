@@ -265,11 +265,9 @@ def stability_picture(dataset: xr.Dataset) -> Picture:
             curves.append(Curve(known[0], known[part], look, name, followed=followed))
         limits, scale = _scale(_with_equilibrium(dataset, part) - middle, middle)
         across = (*spans, Span(middle, middle, ZERO))
-        panes.append(
-            Pane(label, tuple(curves), spans=across, limits=limits, scale=scale, height=1.5)
-        )
+        panes.append(Pane(label, curves, spans=across, limits=limits, scale=scale, height=1.5))
     along, title = f"Crank speed ({speed_unit(dataset)})", "Stability of the running linkage"
-    return Picture(tuple(panes), along, "speed", speeds, dataset, title)
+    return Picture(panes, along, dataset, title, over="speed", places=speeds)
 
 
 def _with_equilibrium(dataset: xr.Dataset, part: int) -> FloatArray:

@@ -7,7 +7,7 @@ nothing is computed in the browser but the place between two samples.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, wraps
 from importlib import resources
@@ -15,61 +15,9 @@ from typing import Any
 
 from flexmech.analyses import Summary, Table
 from flexmech.arrays import FloatArray
-from flexmech.plots.picture import Choice as Choice
-from flexmech.report.plotted import FRAME_HEIGHT as FRAME_HEIGHT
-from flexmech.report.plotted import Plot as Plot
-from flexmech.report.plotted import Trace as Trace
-from flexmech.report.plotted import YAxis as YAxis
+from flexmech.plots.picture import Choice
+from flexmech.report.plotted import Plot
 from flexmech.report.results import Kind, Results
-from flexmech.units import from_si
-
-Look = str
-
-GREY = "#8c8c8c"
-"""Of what lies behind curves: limits, rays of orders, rigid links."""
-
-
-def over_angle(name: str, axes: tuple[YAxis, ...], traces: Iterable[Trace], **of: Any) -> Plot:
-    """A plot over the crank angle, whose cursor follows it.
-
-    Further keywords are fields of the plot.
-
-    Parameters
-    ----------
-    name : str
-    axes : tuple of YAxis
-    traces : iterable of Trace
-
-    Returns
-    -------
-    Plot
-    """
-    along: dict[str, Any] = {"x_title": "Crank angle (deg)", "cursor": "angle", "tick": 60.0}
-    return Plot(name, axes=axes, traces=tuple(traces), **(along | of))
-
-
-def over_speed(
-    name: str, unit: str, axes: tuple[YAxis, ...], traces: Iterable[Trace], text: str
-) -> Plot:
-    """A plot over the crank speed, whose cursor follows the speed chosen.
-
-    Parameters
-    ----------
-    name : str
-    unit : str
-        Of the crank speed.
-    axes : tuple of YAxis
-    traces : iterable of Trace
-    text : str
-        What is to be seen.
-
-    Returns
-    -------
-    Plot
-    """
-    scale, title = from_si(1.0, unit), f"Crank speed ({unit})"
-    shown = tuple(traces)
-    return Plot(name, title, axes, shown, text, "speed", speed_scale=scale, height=440)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -20,15 +20,21 @@ FRAME_HEIGHT, PANE_HEIGHT, LEAST_HEIGHT = 110, 130, 320
 takes, and its height at least."""
 # Darker greys are drawn as the page writes, in light and in dark.
 INK, DARK = "critical", 0.4
+# Of grey stripes behind curves, on a light and on a dark page.
+STRIPE = "rgba(128,128,128,0.2)"
+# Letters beside an axis of one line; the unit of a longer label stands on a second one. Part of the
+# axis along x that marks at its ends take.
+LONGEST, MARK_ROOM = 18, 0.015
 # Pixels of a page in a point.
 PIXELS = 4 / 3
 SYMBOLS = {"o": "circle", "s": "square", "^": "triangle-up", "D": "diamond", "v": "triangle-down"}
 SYMBOLS |= {"P": "cross", "x": "x", "X": "x", ".": "circle", "+": "cross-thin-open"}
-CURSORS: dict[str, Literal["angle", "speed", "none"]] = {
+CURSORS: dict[str, Literal["angle", "speed", "point", "none"]] = {
     "angle": "angle",
     "speed": "speed",
     "time": "none",
     "number": "none",
+    "plane": "point",
 }
 DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
 
@@ -130,6 +136,8 @@ class Plot:
         Above the plot, where a panel has several.
     ends : tuple of float
         Of the horizontal axis; empty: those of the traces.
+    named : tuple of str
+        What stands at 1, 2, 3 and so on along it; empty: numbers.
     """
 
     name: str
@@ -144,6 +152,7 @@ class Plot:
     height: int = LEAST_HEIGHT
     title: str = ""
     ends: tuple[float, ...] = ()
+    named: tuple[str, ...] = ()
 
 
 def plotted(name: str, picture: Picture, title: str = "") -> Plot:
@@ -162,16 +171,20 @@ def plotted(name: str, picture: Picture, title: str = "") -> Plot:
     Plot
     """
     shown = picture.in_units()
+    alone = (LEAST_HEIGHT - FRAME_HEIGHT) / PANE_HEIGHT if len(shown.panes) == 1 else 1.0
     axes = tuple(
         YAxis(
-            _words(pane.label or pane.title.partition(",")[0]),
+            _beside(pane.label or pane.title.partition(",")[0], max(pane.height, alone)),
             pane.scale != "linear",
             pane.limits if pane.limits and pane.scale == "linear" else (),
             pane.height,
         )
         for pane in shown.panes
     )
-    places = shown.places.tolist()
+    traces = tuple(_traces(shown))
+    ends = shown.places[[0, -1]] if len(shown.places) > 1 else np.zeros(0)
+    if ends.size and any(one.symbol for one in traces):
+        ends = ends + MARK_ROOM * np.ptp(ends) * np.array([-1.0, 1.0])
     along = shown.x_label
     seen = ", ".join(axis.title for axis in axes).replace("<br>", " ")
     seen = f"{shown.y_label}: {seen}" if shown.y_label else seen
@@ -179,15 +192,24 @@ def plotted(name: str, picture: Picture, title: str = "") -> Plot:
         name,
         along,
         axes,
-        tuple(_traces(shown)),
+        traces,
         f"{seen} against {along[:1].lower()}{along[1:]}",
         CURSORS[shown.over],
         from_si(1.0, speed_unit(shown.of)) if shown.over == "speed" else 1.0,
+        equal=shown.over == "plane",
         tick=60.0 if shown.over == "angle" else None,
         height=max(LEAST_HEIGHT, round(FRAME_HEIGHT + PANE_HEIGHT * sum(a.height for a in axes))),
         title=title or shown.y_label,
-        ends=(places[0], places[-1]) if len(places) > 1 else (),
+        ends=tuple(ends.tolist()),
+        named=tuple(map(_words, shown.panes[0].named)),
     )
+
+
+def _beside(label: str, height: float) -> str:
+    """A label beside an axis, in two lines if it is longer than the axis."""
+    words, opening, unit = label.rpartition(" (")
+    long = opening and len(label) > LONGEST * height and "\n" not in label
+    return _words(f"{words}\n({unit}" if long else label)
 
 
 def _words(label: str) -> str:
@@ -201,9 +223,9 @@ def _traces(picture: Picture) -> Iterator[Trace]:
     for axis, pane in enumerate(picture.panes):
         for span in pane.spans:
             if span.look is not ZERO.look:
-                legend = bool(span.name) and (span.name,) not in named
-                yield _of_span(span, pane, axis, legend=legend)
-                named.add((span.name,))
+                key = (span.name, *span.when.values())
+                yield from _of_span(span, pane, axis, legend=bool(span.name) and key not in named)
+                named.add(key)
         for curve in sorted(pane.curves, key=lambda one: float(one.look.get("zorder", 2.0))):
             key = (curve.name, *curve.when.values())
             yield from _of_curve(curve, axis, legend=bool(curve.name) and key not in named)
@@ -213,20 +235,33 @@ def _traces(picture: Picture) -> Iterator[Trace]:
 def _of_curve(curve: Curve, axis: int, *, legend: bool) -> Iterator[Trace]:
     """A line or points, or both edges of a band."""
     common: dict[str, Any] = {"when": curve.when, "axis": axis, "angle": curve.angle}
-    at, colour = (_words(curve.name), curve.x), _colour(curve.look)
+    name, colour = _words(curve.name), _colour(curve.look)
     if curve.upto is not None:
-        yield Trace(*at, curve.y, colour, width=0.0, legend=False, **common)
-        yield Trace(*at, curve.upto, colour, width=0.0, fill="to previous", legend=legend, **common)
+        yield Trace(name, curve.x, curve.y, colour, width=0.0, legend=False, **common)
+        yield Trace(
+            name,
+            curve.x,
+            curve.upto,
+            colour,
+            width=0.0,
+            fill="to previous",
+            legend=legend,
+            **common,
+        )
         return
     look = _dashes(curve.look)
     # Where some points of a line are marked, the page marks none.
     marker = "" if "markevery" in curve.look else curve.look.get("marker", "")
     symbol = SYMBOLS.get(str(marker), "")
     size = float(curve.look["ms" if "ms" in curve.look else "markersize"]) if symbol else 4.0
+    if curve.look.get("drawstyle") == "steps-post":
+        curve = replace(curve, x=np.repeat(curve.x, 2)[1:], y=np.repeat(curve.y, 2)[:-1])
     width = PIXELS * (size if look == "points" else _line_width(curve.look))
-    followed = None if look == "points" or _is_grey(curve.look) else curve.followed
+    # Grey is what stands behind, but black may be all that there is.
+    behind = _is_grey(curve.look) and curve.look["color"] != "black"
+    followed = None if look == "points" or behind else curve.followed
     yield Trace(
-        *(*at, curve.y, colour, look, width, symbol),
+        *(name, curve.x, curve.y, colour, look, width, symbol),
         followed=followed,
         legend=legend,
         label=_words(curve.label),
@@ -234,23 +269,27 @@ def _of_curve(curve: Curve, axis: int, *, legend: bool) -> Iterator[Trace]:
     )
 
 
-def _of_span(span: Span, pane: Pane, axis: int, *, legend: bool) -> Trace:
-    """A line, or a rectangle, across what the curves of a pane take."""
+def _of_span(span: Span, pane: Pane, axis: int, *, legend: bool) -> Iterator[Trace]:
+    """A line, or a rectangle, across what the curves of a pane take; none without curves."""
     across = np.concatenate([np.ravel(one.y if span.upright else one.x) for one in pane.curves])
+    if not np.isfinite(across).any():
+        return
     ends = np.array([np.nanmin(across), np.nanmax(across)])
-    if span.upright and pane.limits and pane.scale == "linear":
+    if span.upright and pane.limits:
         ends = np.array(pane.limits)
     ends[1] = ends[0] + span.look.get("ymax", 1.0) * (ends[1] - ends[0])
-    common: dict[str, Any] = {"axis": axis, "legend": legend}
-    if span.low < span.high:
+    common: dict[str, Any] = {"axis": axis, "legend": legend, "when": span.when}
+    if span.is_filled:
         corners = np.append(ends, ends[::-1]), np.repeat([span.low, span.high], 2)
-        colour = _colour({"color": span.look.get("facecolor")} | span.look)
+        filled = {"color": span.look.get("facecolor")} | span.look
+        colour = STRIPE if _is_grey(filled) else _colour(filled)
         x, y = corners[::-1] if span.upright else corners
-        return Trace(_words(span.name), x, y, colour, fill="itself", **common)
+        yield Trace(_words(span.name), x, y, colour, width=1.0, fill="itself", **common)
+        return
     line = ends, np.full(2, span.low)
     x, y = line[::-1] if span.upright else line
     look, width = _dashes(span.look), PIXELS * _line_width(span.look)
-    return Trace(_words(span.name), x, y, _colour(span.look), look, width, **common)
+    yield Trace(_words(span.name), x, y, _colour(span.look), look, width, **common)
 
 
 def _line_width(look: Look) -> float:

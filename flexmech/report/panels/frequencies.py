@@ -16,11 +16,11 @@ from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.arrays import FloatArray
 from flexmech.plots.campbell import campbell_picture
 from flexmech.plots.frequencies import damping_picture, frequencies_picture
-from flexmech.plots.picture import Picture, joined
+from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import degrees, names_of, speed_label
 from flexmech.plots.stability import stability_picture
 from flexmech.report import panel
-from flexmech.report.plotted import plotted
+from flexmech.report.plotted import Plot, plotted
 from flexmech.report.results import (
     Results,
     speed_name,
@@ -113,7 +113,7 @@ def _of_each(result: MovingFrequencies, picture: Callable[[xr.Dataset], Picture]
     )
 
 
-def _frequency_plot(result: MovingFrequencies, unit: str) -> panel.Plot:
+def _frequency_plot(result: MovingFrequencies, unit: str) -> Plot:
     """Frequencies of all modes; the cursor's dots are at the speed chosen."""
     speeds = result.dataset["crank_speed"].values.tolist()
     chosen = {speed_label(one, unit): {"speed": speed_name(one, unit)} for one in speeds}
@@ -138,7 +138,7 @@ def _readings(result: MovingFrequencies, unit: str) -> list[panel.Reading]:
     damping = _damping_of(result.dataset)
     for state, data, engine, speed, mode in _places(result):
         angle = degrees(data["crank_angle"])
-        when: panel.Choice = {"engine": engine, "state": state, "speed": speed_name(speed, unit)}
+        when: Choice = {"engine": engine, "state": state, "speed": speed_name(speed, unit)}
         frequency = _values(data, "frequency", engine, speed, mode)
         relative = float(known_error(data).sel(engine=engine, crank_speed=speed, mode=mode))
         error = relative * float(np.nanmax(frequency))

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from flexmech.analyses import CouplerPaths, Kinematics, ModelCheck, Table
 from flexmech.plots.kinematics import drive_picture, joint_forces_picture, link_motion_picture
+from flexmech.plots.mechanism import transmission_picture
 from flexmech.plots.motion import MOST_POINTS, drawn_points, motion_picture
-from flexmech.plots.picture import Picture, joined
+from flexmech.plots.picture import Choice, Curve, Pane, Picture, joined
 from flexmech.plots.reading import degrees, names_of
+from flexmech.plots.style import series_line
 from flexmech.report import panel
 from flexmech.report import results as words
-from flexmech.report.plotted import plotted
+from flexmech.report.plotted import Plot, plotted
 from flexmech.report.results import Results
 
 
@@ -30,7 +31,7 @@ def kinematics_panel(results: Results) -> panel.Panel | None:
     found = [own for own in found if "motor_torque" not in own.dataset] or found
     if not found:
         return None
-    shown = list[tuple[panel.Choice, xr.Dataset]]()
+    shown = list[tuple[Choice, xr.Dataset]]()
     answer, lines, warnings = list[str](), list[str](), list[str]()
     tables, folded = list[Table](), list[Table]()
     for result in found:
@@ -57,10 +58,10 @@ def kinematics_panel(results: Results) -> panel.Panel | None:
     )
 
 
-def _plots(shown: list[tuple[panel.Choice, xr.Dataset]]) -> Iterator[panel.Plot]:
+def _plots(shown: list[tuple[Choice, xr.Dataset]]) -> Iterator[Plot]:
     """Motion of the links and of each point, joint forces and the drive."""
 
-    def plot(name: str, picture: Callable[[xr.Dataset], Picture], title: str) -> panel.Plot:
+    def plot(name: str, picture: Callable[[xr.Dataset], Picture], title: str) -> Plot:
         return plotted(name, joined([(when, picture(data)) for when, data in shown]), title)
 
     yield plot("link-motion", link_motion_picture, "Motion of the links")
@@ -74,42 +75,27 @@ def _plots(shown: list[tuple[panel.Choice, xr.Dataset]]) -> Iterator[panel.Plot]
 @panel.shows(CouplerPaths)
 def coupler_panel(result: CouplerPaths, results: Results) -> panel.Panel:
     """Coupler curves of each state, with their crunodes and cusps."""
-    data, traces = result.dataset, list[panel.Trace]()
+    data, curves = result.dataset, list[Curve]()
     angle = degrees(data["crank_angle"])
     for number, name in enumerate(names_of(data, "name")):
         x, y = (1e3 * data["position"].isel(state=number).sel(component=c).values for c in "xy")
-        dashes: Any = "dash" if number else "solid"
-        traces.append(panel.Trace(name, x, y, number, dashes, followed={}, angle=angle))
+        curves.append(Curve(x, y, series_line(number), name, angle=angle))
         points = np.flatnonzero(data["double_point_state"].values == number)
         if points.size:
             x, y = 1e3 * data["double_point_position"].values[points].T
-            traces.append(panel.Trace(f"crunode or cusp, {name}", x, y, number, "points", 8.0))
-    plot = panel.Plot(
-        "coupler",
-        "x (mm)",
-        (panel.YAxis("y (mm)"),),
-        tuple(traces),
-        "Path of the coupler point in the plane, dry and in the environment asked for",
-        "point",
-        equal=True,
-        height=420,
-    )
+            look = series_line(number) | {"ls": "", "marker": "o", "ms": 6.0}
+            curves.append(Curve(x, y, look, f"crunode or cusp, {name}"))
+    pane = Pane("y (mm)", tuple(curves), height=2.4)
+    picture = Picture([pane], "x (mm)", data, over="plane")
+    plot = plotted("coupler", picture)
     return panel.panel_of("coupler-curve", result.summary(), plots=(plot,))
 
 
 @panel.shows(ModelCheck)
 def mechanism_panel(result: ModelCheck, results: Results) -> panel.Panel:
     """Links, masses and operation in words and a table, and the transmission angle."""
-    said, data, plots = result.summary(), result.dataset, list[panel.Plot]()
-    variant = "transmission_angle" if "transmission_angle" in data else "drawn"
-    if variant in data:
-        angle = degrees(data["crank_angle"])
-        values = np.degrees(data["transmission_angle"].values.astype(float))
-        traces = [panel.Trace("transmission angle", angle, values, followed={}, legend=False)]
-        for limit in np.degrees(data["usual_transmission_angle"].values).tolist():
-            line = f"{limit:g} deg", angle[[0, -1]], np.full(2, limit), panel.GREY
-            traces.append(panel.Trace(*line, look="dot", width=1.0, legend=False))
-        text = "Transmission angle between coupler and rocker against crank angle"
-        axes = (panel.YAxis("Transmission angle (deg)"),)
-        plots.append(panel.over_angle("transmission-angle", axes, traces, text=text, height=260))
-    return panel.panel_of("mechanism", said, variant, plots=tuple(plots))
+    data = result.dataset
+    if "transmission_angle" not in data:
+        return panel.panel_of("mechanism", result.summary(), "drawn")
+    plot = plotted("transmission-angle", transmission_picture(data))
+    return panel.panel_of("mechanism", result.summary(), "transmission_angle", plots=(plot,))

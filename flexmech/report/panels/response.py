@@ -15,9 +15,10 @@ from flexmech.plots.frame import frame_picture
 from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import STARTS, bending_links, names_of
 from flexmech.plots.response import forces_picture, over_time, response_picture, shaft_panes
+from flexmech.plots.spectra import spectrum_picture
 from flexmech.report.last_turn import MOST_POINTS, over_a_turn
 from flexmech.report.panel import Panel, Reading, further_lines, panel_of
-from flexmech.report.plotted import Plot, Trace, YAxis, plotted
+from flexmech.report.plotted import Plot, plotted
 from flexmech.report.results import Results, speed_name, speed_unit_of, state_of
 
 
@@ -93,26 +94,13 @@ def spectrum_panel(results: Results) -> Panel | None:
     runs, unit = results.of_kind(Response), speed_unit_of(results)
     if not runs:
         return None
-    links = bending_links(runs[0].dataset)
-    traces, at_orders = list[Trace](), False
-    for run in runs:
-        data = run.dataset
-        stems = bool(data.attrs.get("spectrum_turns"))
-        at_orders |= stems
-        for engine in names_of(data, "engine"):
-            for number, link in enumerate(links):
-                amplitude = 1e3 * data["spectrum"].sel(engine=engine, link=link).values
-                points = _spectrum_points(amplitude, data, stems=stems)
-                look = "points" if stems else "solid"
-                traces.append(Trace(link, *points, number, look, when=_when(run, engine, unit)))
-    plot = Plot(
-        "spectrum",
-        "Frequency (Hz)",
-        (YAxis("Amplitude (mm)", logarithmic=True),),
-        tuple(traces),
-        f"Amplitude of the deflection of {', '.join(links)} against frequency, logarithmic",
-        height=340,
-    )
+    shown = [
+        (_when(run, engine, unit), spectrum_picture(run.dataset.isel(engine=[number])))
+        for run in runs
+        for number, engine in enumerate(names_of(run.dataset, "engine"))
+    ]
+    plot = plotted("spectrum", joined(shown))
+    at_orders = any(run.dataset.attrs.get("spectrum_turns") for run in runs)
     orders = ": points stand at the orders of the crank, as periodic motion has no others."
     return panel_of("spectrum", plots=(plot,), at_orders=orders * at_orders)
 
@@ -155,18 +143,6 @@ def _readings(run: Response, own: xr.Dataset, when: Choice, links: list[str]) ->
         Reading(group, label, unit, angle, values, error, when, decimals_of(error))
         for group, label, unit, values, error in found
     ]
-
-
-def _spectrum_points(
-    amplitude: FloatArray, data: xr.Dataset, *, stems: bool
-) -> tuple[FloatArray, FloatArray]:
-    """Points of a spectrum: of periodic motion those at the orders alone, without round-off."""
-    frequency = data["spectrum_frequency"].values
-    shown = (frequency > 0) & (amplitude > 1e-6 * amplitude.max(initial=1e-300))
-    if stems:
-        order = 2 * np.pi * frequency / abs(float(data.attrs["crank_speed"]))
-        shown &= np.abs(order - np.round(order)) < 1e-3
-    return frequency[shown], amplitude[shown]
 
 
 def _peak_table(runs: list[Response], links: list[str], unit: str) -> Table:

@@ -13,7 +13,7 @@
       type: "scatter", name: trace.name, legendgroup: trace.name, showlegend: trace.legend,
       x: arrays[trace.x], y: arrays[trace.y], yaxis: `y${axis}`, xaxis: "x",
       mode: trace.look === "points" ? "markers" : trace.symbol ? "lines+markers" : "lines", visible: isChosen(trace.when),
-      line: { color: filled ? "rgba(0,0,0,0)" : colour, width: trace.width, dash: trace.look === "points" ? "solid" : trace.look, simplify: false },
+      line: { color: trace.fill === "to previous" ? "rgba(0,0,0,0)" : colour, width: trace.width, dash: trace.look === "points" ? "solid" : trace.look, simplify: false },
       marker: { color: colour, symbol: trace.symbol || "circle", size: trace.look === "points" ? Math.max(5, trace.width) : 5 },
       fill: { none: "none", "to previous": "tonexty", itself: "toself" }[trace.fill],
       fillcolor: filled ? colour : undefined, hoverinfo: filled ? "skip" : "x+y+name",
@@ -39,6 +39,7 @@
       dragmode: width < 500 ? false : "zoom",
     };
     if (spec.tick) layout.xaxis.dtick = spec.tick;
+    if (spec.named.length) Object.assign(layout.xaxis, { tickvals: spec.named.map((_, n) => n + 1), ticktext: spec.named });
     if (spec.ends.length) layout.xaxis.range = spec.ends;
     const legend = spec.traces.some((trace) => trace.legend);
     layout.showlegend = legend;
