@@ -105,7 +105,7 @@ def campbell_picture(dataset: xr.Dataset) -> Picture:
             (*_bands_of(dataset, shown), *_rays(dataset, top), *_critical(dataset)),
             spans=_gaps(dataset),
             limits=(0.0, top),
-            height=BANDS_HEIGHT / PEAKS_HEIGHT,
+            height=1.25 * BANDS_HEIGHT / PEAKS_HEIGHT,
         )
     ]
     if "peak_ratio" in dataset:
@@ -269,6 +269,7 @@ def _peaks(dataset: xr.Dataset) -> Pane:
         spans=(Span(1.0, 1.0, RAY), *_gaps(dataset)),
         limits=limits,
         scale="plain log",
+        height=1.25,
     )
 
 

@@ -290,7 +290,8 @@ def joined(pictures: Sequence[tuple[Choice, Picture]]) -> Picture:
     Returns
     -------
     Picture
-        With every pane once, by its label and title; all else is of the first one.
+        With every pane once, by its label and title, and limits that hold those of all; all else is
+        of the first one, and places along x only where all have the same.
     """
     panes: dict[tuple[str, str], Pane] = {}
     for when, picture in pictures:
@@ -298,8 +299,14 @@ def joined(pictures: Sequence[tuple[Choice, Picture]]) -> Picture:
             curves = [replace(one, when={**one.when, **when}) for one in pane.curves]
             spans = [replace(one, when={**one.when, **when}) for one in pane.spans]
             key = pane.label, pane.title
-            if key in panes:
-                curves, spans = [*panes[key].curves, *curves], [*panes[key].spans, *spans]
-            panes[key] = replace(pane, curves=curves, spans=spans)
-    places = np.unique(np.concatenate([picture.places for _, picture in pictures]))
-    return replace(pictures[0][1], panes=list(panes.values()), places=places)
+            limits, before = pane.limits, panes.get(key)
+            if before is not None:
+                curves, spans = [*before.curves, *curves], [*before.spans, *spans]
+                if limits and before.limits:
+                    (low, high), (least, most) = limits, before.limits
+                    limits = min(low, least), max(high, most)
+            panes[key] = replace(pane, curves=curves, spans=spans, limits=limits)
+    first = pictures[0][1]
+    same = all(np.array_equal(picture.places, first.places) for _, picture in pictures)
+    places = first.places if same else np.zeros(0)
+    return replace(first, panes=list(panes.values()), places=places)

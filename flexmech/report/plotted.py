@@ -281,8 +281,7 @@ def _of_span(span: Span, pane: Pane, axis: int, *, legend: bool) -> Iterator[Tra
     common: dict[str, Any] = {"axis": axis, "legend": legend, "when": span.when}
     if span.is_filled:
         corners = np.append(ends, ends[::-1]), np.repeat([span.low, span.high], 2)
-        filled = {"color": span.look.get("facecolor")} | span.look
-        colour = STRIPE if _is_grey(filled) else _colour(filled)
+        colour = _stripe(span.look)
         x, y = corners[::-1] if span.upright else corners
         yield Trace(_words(span.name), x, y, colour, width=1.0, fill="itself", **common)
         return
@@ -290,6 +289,16 @@ def _of_span(span: Span, pane: Pane, axis: int, *, legend: bool) -> Iterator[Tra
     x, y = line[::-1] if span.upright else line
     look, width = _dashes(span.look), PIXELS * _line_width(span.look)
     yield Trace(_words(span.name), x, y, _colour(span.look), look, width, **common)
+
+
+def _stripe(look: Look) -> str:
+    """Colour of a stripe behind curves, which a dark page shows through as a light one does."""
+    face = look["facecolor" if "facecolor" in look else "color"]
+    if _is_grey({"color": face}):
+        return STRIPE
+    if to_rgba(face)[3] < 1.0 or "edgecolor" not in look:
+        return _colour({"color": face} | look)
+    return _colour({"color": look["edgecolor"], "alpha": 0.3})
 
 
 def _line_width(look: Look) -> float:

@@ -1,4 +1,4 @@
-"""The rigid linkage: its motion, joint forces and drive, coupler curve and transmission angle."""
+"""The rigid linkage: motion, joint forces, drive, balance, coupler curve, transmission angle."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses import CouplerPaths, Kinematics, ModelCheck, Table
+from flexmech.analyses import Balance, CouplerPaths, Kinematics, ModelCheck, Table
 from flexmech.plots.kinematics import drive_picture, joint_forces_picture, link_motion_picture
 from flexmech.plots.mechanism import transmission_picture
 from flexmech.plots.motion import MOST_POINTS, drawn_points, motion_picture
 from flexmech.plots.picture import Choice, Curve, Pane, Picture, joined
 from flexmech.plots.reading import degrees, names_of
+from flexmech.plots.shaking import balance_picture
 from flexmech.plots.style import series_line
 from flexmech.report import panel
 from flexmech.report import results as words
@@ -99,3 +100,10 @@ def mechanism_panel(result: ModelCheck, results: Results) -> panel.Panel:
         return panel.panel_of("mechanism", result.summary(), "drawn")
     plot = plotted("transmission-angle", transmission_picture(data))
     return panel.panel_of("mechanism", result.summary(), "transmission_angle", plots=(plot,))
+
+
+@panel.shows(Balance)
+def balance_panel(result: Balance, results: Results) -> panel.Panel:
+    """Loads over the crank angle as given and balanced, of elastic links where they were run."""
+    plot = plotted("balance", balance_picture(result.dataset))
+    return panel.panel_of("balance", result.summary(), plots=(plot,))

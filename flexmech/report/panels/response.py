@@ -1,4 +1,4 @@
-"""The running linkage: deflections, driving torque, pin forces and spectra."""
+"""The running linkage: deflections, forces, spectra, motors, and what rings after a stop."""
 
 from __future__ import annotations
 
@@ -8,13 +8,20 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses import Response, Table
+from flexmech.analyses import Kinematics, Response, Table
 from flexmech.analyses.digits import decimals_of, with_error
 from flexmech.arrays import FloatArray
-from flexmech.plots.frame import frame_picture
+from flexmech.plots.law import motor_picture
 from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import STARTS, bending_links, names_of
-from flexmech.plots.response import forces_picture, over_time, response_picture, shaft_panes
+from flexmech.plots.response import (
+    forces_picture,
+    frame_picture,
+    over_time,
+    response_picture,
+    shaft_panes,
+)
+from flexmech.plots.shaping import move_picture
 from flexmech.plots.spectra import spectrum_picture
 from flexmech.report.last_turn import MOST_POINTS, over_a_turn
 from flexmech.report.panel import Panel, Reading, further_lines, panel_of
@@ -169,3 +176,49 @@ def _peak_table(runs: list[Response], links: list[str], unit: str) -> Table:
         text_columns=5,
         caption="errors: time step, component modes and, where it was checked, mesh together",
     )
+
+
+def motor_panel(results: Results) -> Panel | None:
+    """Crank speed, and torque, power and current of the motor, of every result under a motor."""
+    found = [
+        result
+        for result in (*results.of_kind(Kinematics), *results.of_kind(Response))
+        if "motor_torque" in result.dataset
+    ]
+    if not found:
+        return None
+    said = [result.summary() for result in found]
+    return panel_of(
+        "motor",
+        answer=tuple(dict.fromkeys(one.answer[0] for one in said)),
+        plots=tuple(
+            plotted(
+                f"motor-{number}" if number > 1 else "motor",
+                motor_picture(result.dataset),
+                str(result.dataset.attrs.get("drive", "")),
+            )
+            for number, result in enumerate(found, 1)
+        ),
+        lines=tuple(line for one in said for line in further_lines(one) if "motor" in line),
+    )
+
+
+def residual_panel(results: Results) -> Panel | None:
+    """Amplitude of each mode after the stop over the time until it, of every run that has it."""
+    runs = [run for run in results.of_kind(Response) if "move_amplitude" in run.dataset]
+    if not runs:
+        return None
+    plots = tuple(
+        plotted(
+            f"residual-{number}" if number > 1 else "residual",
+            move_picture(run.dataset),
+            str(run.dataset.attrs.get("drive", "")),
+        )
+        for number, run in enumerate(runs, 1)
+    )
+    answer = tuple(
+        line for run in runs for line in run.summary().answer if "After the stop" in line
+    )
+    shapers = {str(run.dataset.attrs.get("shaper", "")) for run in runs} - {""}
+    shaped = f", and by the law with the {' or '.join(sorted(shapers))}" if shapers else ""
+    return panel_of("residual", answer=answer, plots=plots, shaped=shaped)
