@@ -1,6 +1,5 @@
 from .animation import mp4_available as mp4_available
 from .animation import write_animation as write_animation
-from .balance import plot_balance as plot_balance
 from .campbell import plot_campbell as plot_campbell
 from .designs.optima import plot_pareto as plot_pareto
 from .designs.optima import plot_search as plot_search
@@ -16,11 +15,10 @@ from .effects import plot_speed_effect as plot_speed_effect
 from .effects import plot_vibration_effect as plot_vibration_effect
 from .floquet import plot_floquet_frequencies as plot_floquet_frequencies
 from .floquet import plot_floquet_harmonics as plot_floquet_harmonics
-from .frame import plot_frame_motion as plot_frame_motion
 from .frequencies import plot_damping_ratio as plot_damping_ratio
 from .frequencies import plot_frequencies as plot_frequencies
+from .frequencies import plot_frequencies_over_speed as plot_frequencies_over_speed
 from .frequencies import plot_modal_damping as plot_modal_damping
-from .frequencies_over_speed import plot_frequencies_over_speed as plot_frequencies_over_speed
 from .frf import plot_comparison as plot_comparison
 from .frf import plot_frf as plot_frf
 from .frf import plot_frf_parts as plot_frf_parts
@@ -36,6 +34,7 @@ from .kinematics import plot_joint_forces as plot_joint_forces
 from .kinematics import plot_kinematics as plot_kinematics
 from .kinematics import plot_transmission_angle as plot_transmission_angle
 from .law import plot_law as plot_law
+from .law import plot_motor as plot_motor
 from .law import plot_residual as plot_residual
 from .layout import AxesLike as AxesLike
 from .layout import Sheet as Sheet
@@ -44,17 +43,18 @@ from .layout import sheet as sheet
 from .mechanism import plot_mechanism as plot_mechanism
 from .motion import drawn_points as drawn_points
 from .motion import plot_motion as plot_motion
-from .motor import plot_motor as plot_motor
 from .reading import chosen as chosen
 from .reading import mode_label as mode_label
 from .reading import speed_label as speed_label
 from .reading import terms_text as terms_text
 from .response import plot_forces as plot_forces
+from .response import plot_frame_motion as plot_frame_motion
 from .response import plot_response as plot_response
 from .scales import crank_angle_axis as crank_angle_axis
 from .scales import plain_numbers as plain_numbers
 from .section import plot_moisture as plot_moisture
 from .section import plot_section as plot_section
+from .shaking import plot_balance as plot_balance
 from .shaking import plot_running_shaking_force as plot_running_shaking_force
 from .shaking import plot_shaking_force as plot_shaking_force
 from .shaking import plot_shaking_orders as plot_shaking_orders

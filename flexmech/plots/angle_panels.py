@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from math import lcm
@@ -19,8 +18,9 @@ from matplotlib.figure import Figure
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import scales
-from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet
-from flexmech.plots.reading import degrees, engine_label, mode_label, speed_unit
+from flexmech.plots.layout import Layout, Sheet
+from flexmech.plots.picture import Curve
+from flexmech.plots.reading import engine_label, speed_unit
 from flexmech.plots.style import (
     MID_GREY,
     Look,
@@ -125,54 +125,6 @@ def label_angles(drawn: Sheet, angles: FloatArray, y_label: str = "") -> None:
         drawn.label_y(y_label)
 
 
-@contextmanager
-def mode_panels(
-    dataset: xr.Dataset, y_label: str, *, ax: AxesLike | None = None, share_y: bool = False
-) -> Iterator[Sheet]:
-    """One panel a mode over the crank angle, with its heading.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Sorted by crank angle.
-    y_label : str
-        Label of all y axes, with its unit.
-    ax : Axes or sequence of Axes, optional
-        The user's, one a mode.
-    share_y : bool
-        Whether all panels have the same y axis.
-
-    Yields
-    ------
-    Sheet
-    """
-    layout = angle_layout([1] * dataset.sizes["mode"], share_y=share_y)
-    with sheet(layout, ax=ax, fewer=ONE_MODE) as drawn:
-        label_angles(drawn, degrees(dataset["crank_angle"]), y_label)
-        for axes, mode in zip(drawn.panels, dataset["mode"].values, strict=True):
-            drawn.title(axes, mode_label([mode]))
-        yield drawn
-
-
-def draw_line(axes: Axes, angles: FloatArray, values: FloatArray, number: int) -> None:
-    """Draw a series over the crank angle, with a point where a value stands alone.
-
-    Parameters
-    ----------
-    axes : Axes
-    angles, values : ndarray, shape (n,)
-        Degrees, and numbers in the panel's unit; not a number is a gap.
-    number : int
-        Of the series' style.
-    """
-    line = series_line(number, angles)
-    axes.plot(angles, values, **line, zorder=2.5)
-    present = np.concatenate([[False], np.isfinite(values), [False]])
-    alone = present[1:-1] & ~present[:-2] & ~present[2:]
-    if alone.any() and not line["marker"]:
-        axes.plot(angles[alone], values[alone], ".", color=line["color"], ms=3)
-
-
 def staggered(angles: FloatArray, number: int, total: int) -> slice:
     """Every so many points for the marks of a line, apart from those of the other lines.
 
@@ -250,48 +202,49 @@ class Between:
         return along[order], np.concatenate([line, added])[order]
 
 
-def draw_series(
-    axes: Axes,
-    angles: FloatArray,
+def series_curves(
+    along: FloatArray,
     values: FloatArray,
     branch: FloatArray,
-    number: int,
-    total: int,
+    series: tuple[int, int, str],
     between: Between | None = None,
-) -> dict[int, FloatArray]:
-    """Draw a series of modes: the first engine as lines, the others as marks at some angles.
+) -> list[Curve]:
+    """A series of modes: lines of the first engine, marks of the others at some places.
 
     Parameters
     ----------
-    axes : Axes
-    angles : ndarray, shape (n,)
-        In degrees.
+    along : ndarray, shape (n,)
+        Crank angles in degrees, or speeds.
     values : ndarray, shape (engine, n, mode)
-        In the panel's unit.
+        In the pane's unit.
     branch : ndarray, shape (n, mode)
-        Branch of each mode of the first engine; a line follows a branch.
-    number, total : int
-        Which series of how many.
+        Branch of each mode of the first engine; a line follows a branch. Lines of the first series
+        are numbered by them where there are several modes.
+    series : (int, int, str)
+        Which series of how many, and its name.
     between : Between, optional
         Further points of the first engine's lines.
 
     Returns
     -------
-    dict of int to ndarray, shape (n,)
-        The lines, by branch.
+    list of Curve
     """
-    lines = branch_lines(values[0], branch)
-    for of_branch, line in lines.items():
-        points = (angles, line) if between is None else between.among(angles, line, of_branch)
-        draw_line(axes, *points, number)
-    style, places = series_style(number), staggered(angles, number, total)
+    number, total, name = series
+    numbered = number == 0 and values.shape[-1] > 1
+    curves = []
+    for of_branch, line in branch_lines(values[0], branch).items():
+        x, y = (along, line) if between is None else between.among(along, line, of_branch)
+        look = series_line(number, x) | {"zorder": 2.5}
+        label = f"branch {of_branch}" if numbered else ""
+        curves.append(Curve(x, y, look, name, label=label))
+    style, places = series_style(number), staggered(along, number, total)
     for engine in range(1, len(values)):
-        look = _mark(style.marker, style.color, engine)
-        if few_points(angles):
+        look = _mark(style.marker, style.color, engine) | {"clip_on": False, "zorder": 2.4}
+        if few_points(along):
             # The first engine has marks too: ring them.
             look["markersize"] *= 1.5
-        axes.plot(angles[places], values[engine, places], **look, clip_on=False, zorder=2.4)
-    return lines
+        curves += [Curve(along[places], one, look) for one in values[engine, places].T]
+    return curves
 
 
 def _mark(marker: str, color: str, engine: int) -> Look:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import angle_panels, scales
 from flexmech.plots.angle_panels import colour_bar, has_many_speeds, speed_lines
-from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike, grid
+from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
 from flexmech.plots.reading import (
     at_highest_speed,
     degrees,
@@ -39,7 +42,9 @@ LEAST_BAND = 2e-4
 # A term whose greatest change is a smaller part of that of the total in every mode is small: its
 # line would lie on that of zero.
 SMALL_PART = 0.01
-SMALL: Look = {"color": MID_GREY, "linewidth": 0.8, "linestyle": (0.0, (1.0, 1.0))}
+SMALL: Look = {"color": MID_GREY, "linewidth": 0.8, "linestyle": (0.0, (1.0, 1.0)), "zorder": 1.8}
+NOTHING = Span(0.0, 0.0, {"color": MID_GREY, "lw": 0.6, "zorder": 1})
+"""Where nothing changes."""
 
 STATE_LINES: tuple[Look, ...] = (
     {"linestyle": "-", "linewidth": 1.2},
@@ -98,33 +103,36 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
             "compute it with moving_frequencies(..., speed_effect=True)"
         )
     effect = values_of(fastest["speed_effect"], "mode", "term", "crank_angle")
-    angles = degrees(fastest["crank_angle"])
+    angles, small = degrees(fastest["crank_angle"]), _small(effect)
     mark = "*" if few_points(angles) else ""
     total: Look = {"color": "black", "linewidth": 1.8, "marker": mark, "markersize": 5}
-    with angle_panels.mode_panels(fastest, "Change of frequency (Hz)", ax=ax) as drawn:
-        # Coriolis is a name; the others are plain words.
-        terms = [name.replace("coriolis", "Coriolis") for name in names_of(dataset, "term")]
-        title = f"Change of frequency from rest to {speed}, by term"
-        small = _small(effect)
-        handles = [line_handle("total", **total)]
-        for number in sorted(set(range(len(terms))) - set(small)):
-            handles.append(line_handle(terms[number], **series_line(number, angles)))
-        if small:
-            words = ", ".join(terms[number] for number in small)
-            handles.append(line_handle(f"{words} (below 1 % of the total)", **SMALL))
-        drawn.header(handles, title, of=dataset)
-        for axes, changes in zip(drawn.panels, effect, strict=True):
-            axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
-            # Under the terms, so that a term which makes up the whole effect is seen on it.
-            whole = changes.sum(axis=0)
-            axes.plot(angles, whole, **total, zorder=1.9)
-            for number, change in enumerate(changes):
-                if number in small:
-                    axes.plot(angles, change, **SMALL, zorder=1.8)
-                else:
-                    angle_panels.draw_line(axes, angles, change, number)
-            scales.scale_y(axes, np.vstack([changes, whole, 0.0 * angles]), least=LEAST_BAND)
-    return drawn.figure
+    # Coriolis is a name; the others are plain words.
+    terms = [name.replace("coriolis", "Coriolis") for name in names_of(dataset, "term")]
+    words = f"{', '.join(terms[number] for number in small)} (below 1 % of the total)"
+    panes = []
+    for mode, changes in zip(fastest["mode"].values.tolist(), effect, strict=True):
+        whole = changes.sum(axis=0)
+        # Under the terms, so that a term which makes up the whole effect is seen on it.
+        curves = [Curve(angles, whole, total | {"zorder": 1.9}, "total")]
+        for number in sorted(range(len(terms)), key=lambda one: (one in small, one)):
+            look = series_line(number, angles) | {"zorder": 2.5}
+            look, name = (SMALL, words) if number in small else (look, terms[number])
+            curves.append(Curve(angles, changes[number], look, name))
+        shown = np.vstack([changes, whole, 0.0 * angles])
+        limits = scales.limits_around(shown, least=LEAST_BAND)
+        title = mode_label([mode])
+        panes.append(Pane("", curves, title=title, spans=(NOTHING,), limits=limits))
+    title = f"Change of frequency from rest to {speed}, by term"
+    picture = over_angles(angles, panes, dataset, title, "Change of frequency (Hz)")
+    return _draw_modes(picture, ax)
+
+
+def _draw_modes(picture: Picture, ax: AxesLike | None, **options: Any) -> Figure:
+    """Draw a picture with a pane for each mode over the crank angle."""
+    layout = angle_panels.angle_layout(
+        [1] * len(picture.panes), share_y=options.pop("share_y", False)
+    )
+    return draw(picture, layout, ax=ax, fewer=angle_panels.ONE_MODE, **options)
 
 
 def _small(effect: FloatArray) -> list[int]:
@@ -168,24 +176,26 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
         sequence = np.argsort(drawn_at, kind="stable")
         drawn_at = drawn_at[sequence]
         lines = np.concatenate([frequency, between], axis=-1)[..., sequence]
-    with angle_panels.mode_panels(dataset, "Natural frequency (Hz)", ax=ax) as drawn:
-        handles = [
-            line_handle(label, color=MID_GREY, **line)
-            for label, line in zip(names_of(dataset, "state"), STATE_LINES, strict=True)
-        ]
-        looks = speed_lines(dataset) if has_many_speeds(dataset) else []
-        for number, text in enumerate([] if looks else speed_texts(dataset)):
-            handles.append(line_handle(text, color=series_style(number).color, linewidth=1.5))
-            looks.append(series_line(number, angles))
-        title = "Natural frequencies in two states of heat and moisture"
-        drawn.header(handles, title, of=dataset)
-        for axes, speeds in zip(drawn.panels, lines, strict=True):
-            for states, look in zip(speeds, looks, strict=True):
-                for values, line in zip(states, STATE_LINES, strict=True):
-                    axes.plot(drawn_at, values, **(look | line))
-            scales.scale_y(axes, speeds, least_part=scales.FREQUENCY_BAND)
-        colour_bar(drawn, dataset)
-    return drawn.figure
+    handles = [
+        line_handle(label, color=MID_GREY, **line)
+        for label, line in zip(names_of(dataset, "state"), STATE_LINES, strict=True)
+    ]
+    looks, texts = speed_lines(dataset) if has_many_speeds(dataset) else [], speed_texts(dataset)
+    for number, text in enumerate([] if looks else texts):
+        handles.append(line_handle(text, color=series_style(number).color, linewidth=1.5))
+        looks.append(series_line(number, angles))
+    panes = []
+    for mode, speeds in zip(dataset["mode"].values.tolist(), lines, strict=True):
+        curves = tuple(
+            Curve(drawn_at, values, look | line, text)
+            for states, look, text in zip(speeds, looks, texts, strict=True)
+            for values, line in zip(states, STATE_LINES, strict=True)
+        )
+        limits = scales.limits_around(speeds, least_part=scales.FREQUENCY_BAND)
+        panes.append(Pane("", curves, title=mode_label([mode]), limits=limits))
+    title = "Natural frequencies in two states of heat and moisture"
+    picture = over_angles(angles, panes, dataset, title, "Natural frequency (Hz)")
+    return _draw_modes(picture, ax, legend=handles, finish=lambda drawn: colour_bar(drawn, dataset))
 
 
 def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -218,18 +228,21 @@ def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) ->
     tall = max(0.85, 1.5 - 0.1 * len(modes))
     ratios = [*[tall] * len(modes), 1.4]
     layout = grid(len(ratios), 1, sum(ratios) + 0.5, sharex=True, height_ratios=ratios)
-    with sheet(layout, ax=ax) as drawn:
-        title = f"Natural frequencies at {speed}, {' and '.join(names)}"
-        drawn.header(_handles(modes, names), title, of=dataset)
-        drawn.label_x("Crank angle (deg)")
-        for mode, axes in enumerate(drawn.panels[:-1]):
-            axes.set(title=mode_label(modes[mode : mode + 1]), ylabel="Frequency\n(Hz)")
-            _draw_frequencies(axes, angles, running[mode], still[mode], series_style(mode).color)
-            scales.scale_y(axes, [running[mode], still[mode]], least_part=scales.FREQUENCY_BAND)
-        _draw_difference(drawn.panels[-1], angles, 100.0 * (running / still - 1.0))
-        for axes in drawn.panels:
-            scales.crank_angle_axis(axes, angles)
-    return drawn.figure
+    panes = [
+        Pane(
+            "Frequency\n(Hz)",
+            _frequencies(angles, *pair, series_style(number).color),
+            title=mode_label([mode]),
+            limits=scales.limits_around(pair, least_part=scales.FREQUENCY_BAND),
+        )
+        for number, (mode, pair) in enumerate(
+            zip(modes, zip(running, still, strict=True), strict=True)
+        )
+    ]
+    panes.append(_difference(angles, 100.0 * (running / still - 1.0)))
+    title = f"Natural frequencies at {speed}, {' and '.join(names)}"
+    picture = over_angles(angles, panes, dataset, title)
+    return draw(picture, layout, ax=ax, legend=_handles(modes, names))
 
 
 def _affected(running: FloatArray, still: FloatArray) -> list[int]:
@@ -239,29 +252,36 @@ def _affected(running: FloatArray, still: FloatArray) -> list[int]:
     return numbers or [0]
 
 
-def _draw_frequencies(
-    axes: Axes, angles: FloatArray, running: FloatArray, still: FloatArray, color: str
-) -> None:
+def _frequencies(
+    angles: FloatArray, running: FloatArray, still: FloatArray, color: str
+) -> tuple[Curve, ...]:
     """Both frequencies of a mode; shape (engine, crank_angle)."""
+    curves = []
     for number in range(len(running)):
         # One engine needs no marks to be told from others.
         marked = few_points(angles) or len(running) > 1
         mark: Look = {"marker": MARKS[number % 4] if marked else "", "ms": MARK_SIZE}
         mark["markevery"] = angle_panels.staggered(angles, number, len(running))
-        axes.plot(angles, running[number], color=color, **RUNNING, **mark)
-        axes.plot(angles, still[number], **STILL, **mark, mfc="white")
+        curves.append(Curve(angles, running[number], {"color": color} | RUNNING | mark))
+        curves.append(Curve(angles, still[number], STILL | mark | {"mfc": "white"}))
+    return tuple(curves)
 
 
-def _draw_difference(axes: Axes, angles: FloatArray, percent: FloatArray) -> None:
+def _difference(angles: FloatArray, percent: FloatArray) -> Pane:
     """Relative differences in percent; shape (mode, engine, crank_angle)."""
-    axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=0)
+    curves = []
     for mode, engines in enumerate(percent):
         look = RUNNING | _mode_mark(mode)
         look["markevery"] = angle_panels.staggered(angles, mode, len(percent))
         for number, values in enumerate(engines):
-            axes.plot(angles, values, ls="-" if number == 0 else ":", **look)
-    scales.scale_y(axes, np.append(percent, 0.0), least=LEAST_DIFFERENCE)
-    axes.set(title="Running against quasi-static", ylabel="Difference\n(%)")
+            curves.append(Curve(angles, values, look | {"ls": "-" if number == 0 else ":"}))
+    return Pane(
+        "Difference\n(%)",
+        curves,
+        title="Running against quasi-static",
+        spans=(NOTHING,),
+        limits=scales.limits_around(np.append(percent, 0.0), least=LEAST_DIFFERENCE),
+    )
 
 
 def _mode_mark(number: int) -> Look:
@@ -312,25 +332,35 @@ def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     dataset = dataset.sortby(["crank_angle", "check_angle"])
     angles, check_angles = (degrees(dataset[name]) for name in ("crank_angle", "check_angle"))
     difference, error = _relative_difference(dataset), _own_errors(dataset)
-    with angle_panels.mode_panels(dataset, "Relative difference (-)", ax=ax, share_y=True) as drawn:
-        looks = speed_lines(dataset) if has_many_speeds(dataset) else []
-        handles = [] if looks else series_handles(speed_texts(dataset), angles)
-        for engine, line in zip(names_of(dataset, "engine"), ERRORS, strict=False):
-            handles.append(line_handle(f"estimated error of {engine}", **line))
-        first, second = (engine_label(dataset, engine) for engine in (0, 1))
-        drawn.header(handles, f"Frequencies of {second} against {first}", of=dataset)
-        low, high = _decades(np.concatenate([difference.ravel(), error.ravel()]))
-        for mode, axes in enumerate(drawn.panels):
-            for number, values in enumerate(difference[mode]):
-                if looks:
-                    axes.plot(angles, values, **looks[number])
-                else:
-                    angle_panels.draw_line(axes, angles, values, number)
-            for values, line in zip(error[mode], ERRORS, strict=False):
-                axes.plot(check_angles, values, **line, zorder=1.5, clip_on=False)
-            scales.log_scale(axes, low, high)
-        colour_bar(drawn, dataset)
-    return drawn.figure
+    looks, texts = speed_lines(dataset) if has_many_speeds(dataset) else [], speed_texts(dataset)
+    handles = [] if looks else series_handles(texts, angles)
+    for engine, line in zip(names_of(dataset, "engine"), ERRORS, strict=False):
+        handles.append(line_handle(f"estimated error of {engine}", **line))
+    looks = looks or [series_line(number, angles) | {"zorder": 2.5} for number in range(len(texts))]
+    limits = _decades(np.concatenate([difference.ravel(), error.ravel()]))
+    panes = []
+    for mode, speeds, errors in zip(
+        dataset["mode"].values.tolist(), difference, error, strict=True
+    ):
+        curves = [
+            Curve(angles, values, look, text)
+            for values, look, text in zip(speeds, looks, texts, strict=True)
+        ]
+        curves += [
+            Curve(check_angles, values, line | {"zorder": 1.5, "clip_on": False})
+            for values, line in zip(errors, ERRORS, strict=False)
+        ]
+        panes.append(Pane("", curves, title=mode_label([mode]), limits=limits, scale="log"))
+    first, second = (engine_label(dataset, engine) for engine in (0, 1))
+    title = f"Frequencies of {second} against {first}"
+    picture = over_angles(angles, panes, dataset, title, "Relative difference (-)")
+    return _draw_modes(
+        picture,
+        ax,
+        share_y=True,
+        legend=handles,
+        finish=lambda drawn: colour_bar(drawn, dataset),
+    )
 
 
 def _relative_difference(dataset: xr.Dataset) -> FloatArray:

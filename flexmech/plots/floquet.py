@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
@@ -13,12 +12,14 @@ from matplotlib.ticker import LogLocator
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.plots import scales, style
+from flexmech.plots import style
 from flexmech.plots.campbell import ROOM
-from flexmech.plots.layout import AxesLike, grid, sheet, tiles
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike, Sheet, grid, sheet, tiles
+from flexmech.plots.picture import Curve, Pane, Picture
 from flexmech.plots.reading import cell_edges, speed_unit, speeds_of, spread, values_of
-from flexmech.plots.stability import NOTHING, shade_speeds, unstable_handles
-from flexmech.plots.style import Look, line_handle, series_style
+from flexmech.plots.stability import NOTHING, speed_spans
+from flexmech.plots.style import Look, series_style
 
 # Of a figure on a wide and on a narrow page, where it is nearly square, and of a panel of a branch,
 # three rows of which fit half a page; in inches.
@@ -66,20 +67,27 @@ def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None)
     if not np.isfinite(frequency).any():
         raise InputError(NOTHING)
     height = NARROW_HEIGHT if style.is_narrow() else HEIGHT
-    with sheet(grid(1, 1, height + style.AXES_HEIGHT), ax=ax) as drawn:
-        drawn.header(_frequency_handles(dataset), "Floquet frequencies", of=dataset)
+    speed, curves = speeds_of(dataset), list[Curve]()
+    for branch, along in enumerate(frequency.T):
+        name = "" if branch else "Floquet frequency, in its branch's colour"
+        curves.append(Curve(speed, along, _points(branch), name))
+    curves += _moving(dataset)
+    pane = Pane(
+        "Frequency (Hz)",
+        curves,
+        spans=speed_spans(dataset),
+        limits=_limits(dataset, frequency),
+        scale="plain log",
+    )
+    label = f"Crank speed ({speed_unit(dataset)})"
+    picture = Picture([pane], label, dataset, "Floquet frequencies", over="speed", places=speed)
+
+    def number(drawn: Sheet) -> None:
         (axes,) = drawn.panels
-        shade_speeds(axes, dataset)
-        _draw_moving(axes, dataset)
-        for branch, along in enumerate(frequency.T):
-            axes.plot(speeds_of(dataset), along, **_points(branch), zorder=3)
-        scales.log_scale(axes, *_limits(dataset, frequency), plain=True)
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
         _number_branches(axes, dataset)
-        axes.set_ylabel("Frequency (Hz)")
-        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
-        scales.second_speed_axis(axes, dataset)
-    return drawn.figure
+
+    return draw(picture, grid(1, 1, height + style.AXES_HEIGHT), ax=ax, finish=number)
 
 
 def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -147,16 +155,21 @@ def _limits(dataset: xr.Dataset, frequency: FloatArray) -> tuple[float, float]:
     return LOWEST_PART * float(mean[mean > 0].min()), ROOM * highest
 
 
-def _draw_moving(axes: Axes, dataset: xr.Dataset) -> None:
-    speed = speeds_of(dataset, "moving_speed")
+def _moving(dataset: xr.Dataset) -> list[Curve]:
+    """Bands of the moving frequencies, and their means."""
+    speed, curves = speeds_of(dataset, "moving_speed"), list[Curve]()
     lowest, mean, highest = (
         values_of(dataset[f"{name}_frequency"], "branch", "moving_speed")
         for name in ("lowest", "mean", "highest")
     )
     for branch in range(len(mean)):
-        color = series_style(branch).color
-        axes.fill_between(speed, lowest[branch], highest[branch], color=color, **FILL, zorder=1)
-        axes.plot(speed, mean[branch], color=color, lw=0.6, ls=series_style(branch).linestyle)
+        color, dashes = series_style(branch).color, series_style(branch).linestyle
+        band = {"color": color, "zorder": 1} | FILL
+        curves.append(
+            Curve(speed, lowest[branch], band, "moving frequencies", upto=highest[branch])
+        )
+        curves.append(Curve(speed, mean[branch], {"color": color, "lw": 0.6, "ls": dashes}))
+    return curves
 
 
 def _number_branches(axes: Axes, dataset: xr.Dataset) -> None:
@@ -176,10 +189,11 @@ def _number_branches(axes: Axes, dataset: xr.Dataset) -> None:
 
 def _points(branch: int) -> Look:
     each = series_style(branch)
-    return {"color": each.color, "ls": "", "marker": each.marker, "ms": POINT_SIZE, "mew": 0.3}
-
-
-def _frequency_handles(dataset: xr.Dataset) -> list[Artist]:
-    handles = [line_handle("Floquet frequency, in its branch's colour", **_points(0))]
-    handles.append(Patch(color=style.MID_GREY, **FILL, label="moving frequencies"))
-    return [*handles, *unstable_handles(dataset)]
+    return {
+        "color": each.color,
+        "ls": "",
+        "marker": each.marker,
+        "ms": POINT_SIZE,
+        "mew": 0.3,
+        "zorder": 3,
+    }

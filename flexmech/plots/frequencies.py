@@ -1,10 +1,11 @@
-"""Natural frequencies against crank angle, by crank speed, and damping ratios, by mode."""
+"""Natural frequencies over crank angle and over crank speed, and damping ratios."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
@@ -13,7 +14,9 @@ from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.errors import InputError
 from flexmech.plots import angle_panels, reading, scales, style
 from flexmech.plots.angle_panels import Between, colour_bar, has_many_speeds, speed_lines
-from flexmech.plots.layout import AxesLike, sheet
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike
+from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
 from flexmech.plots.style import Look, line_handle
 
 # Two modes whose bands are this close in ratio can exchange branches: frequencies that veer are
@@ -24,6 +27,11 @@ NEAR_BANDS = 1.1
 # hides no line.
 VEERING_STRIP = 0.035
 STRIP: Look = {"color": "0.72", "lw": 0}
+
+# Lines of a panel: of more crank angles the map over the angle says more.
+MOST_ANGLES = 6
+# Crank angles that make no curve over the angle, and crank speeds that make one.
+POINTS, CURVE = 2, 3
 
 # More panels than these are too many to compare, and six fill three rows of two.
 MOST_SPEEDS = 6
@@ -52,34 +60,54 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     -------
     Figure
     """
+    picture = frequencies_picture(dataset)
+    if has_many_speeds(dataset):
+        legend = [line_handle(reading.engine_label(dataset), color=style.MID_GREY)]
+    else:
+        legend = angle_panels.series_and_engines(dataset, reading.speed_texts(dataset))
+    if any(pane.spans for pane in picture.panes):
+        legend.append(Patch(**STRIP, label="veering"))
+    return draw(
+        picture,
+        angle_panels.angle_layout([len(group) for group in mode_groups(dataset)]),
+        ax=ax,
+        fewer=angle_panels.ONE_MODE,
+        legend=legend,
+        finish=lambda drawn: colour_bar(drawn, dataset),
+    )
+
+
+def frequencies_picture(dataset: xr.Dataset) -> Picture:
+    """Natural frequencies against crank angle, as of plot_frequencies."""
     dataset = dataset.sortby("crank_angle")
-    groups, angles = mode_groups(dataset), reading.degrees(dataset["crank_angle"])
+    angles, panes = reading.degrees(dataset["crank_angle"]), []
     frequency, branch = (
         reading.values_of(dataset[name], *reading.MAP) for name in ("frequency", "branch_of_mode")
     )
     veering = dataset["veering"].transpose(*reading.MAP).values.astype(bool)[0]
-    layout = angle_panels.angle_layout([len(group) for group in groups])
-    with sheet(layout, ax=ax, fewer=angle_panels.ONE_MODE) as drawn:
-        looks = speed_lines(dataset) if has_many_speeds(dataset) else []
-        if looks:
-            handles = [line_handle(reading.engine_label(dataset), color=style.MID_GREY)]
-        else:
-            handles = angle_panels.series_and_engines(dataset, reading.speed_texts(dataset))
-        if veering.any():
-            handles.append(Patch(**STRIP, label="veering"))
-        drawn.header(handles, of=dataset)
-        angle_panels.label_angles(drawn, angles, "Frequency (Hz)")
-        between = points_between(dataset)
-        for axes, group in zip(drawn.panels, groups, strict=True):
-            drawn.title(axes, reading.mode_label(dataset["mode"].values[group].tolist()))
-            scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
-            _mark_veering(axes, angles, veering[..., group])
-            of_group = [_of_modes(each, group) for each in between]
-            _draw_speeds(
-                axes, angles, frequency[..., group], branch[0][..., group], of_group, looks
+    looks = speed_lines(dataset) if has_many_speeds(dataset) else []
+    texts, between = reading.speed_texts(dataset), points_between(dataset)
+    for group in mode_groups(dataset):
+        shown, curves = frequency[..., group], list[Curve]()
+        # One mode alone is one line: sorted frequencies do not jump.
+        along = branch[0][..., group] if len(group) > 1 else np.zeros_like(shown[0])
+        for number, (text, points) in enumerate(zip(texts, between, strict=True)):
+            engines = slice(0, 1) if looks else slice(None)
+            values, series = shown[engines, number], (number, len(texts), text)
+            of_group = _of_modes(points, group)
+            found = angle_panels.series_curves(angles, values, along[number], series, of_group)
+            curves += [replace(one, look=looks[number]) for one in found] if looks else found
+        title = reading.mode_label(dataset["mode"].values[group].tolist())
+        panes.append(
+            Pane(
+                "",
+                curves,
+                title=title,
+                spans=_where_veering(angles, veering[..., group]),
+                limits=scales.limits_around(shown, least_part=scales.FREQUENCY_BAND),
             )
-        colour_bar(drawn, dataset)
-    return drawn.figure
+        )
+    return over_angles(angles, panes, dataset, y_label="Frequency (Hz)")
 
 
 def mode_groups(dataset: xr.Dataset) -> list[list[int]]:
@@ -91,13 +119,14 @@ def mode_groups(dataset: xr.Dataset) -> list[list[int]]:
     Parameters
     ----------
     dataset : Dataset
-        With ``frequency`` and ``branch_of_mode``, sorted by crank angle.
+        With ``frequency`` and ``branch_of_mode``.
 
     Returns
     -------
     list of list of int
         Positions along the mode dimension, ascending.
     """
+    dataset = dataset.sortby("crank_angle")
     branch = dataset["branch_of_mode"].transpose(*reading.MAP).values
     frequency = dataset["frequency"].transpose(*reading.MAP).values
     before, after = branch[:, :, :-1], branch[:, :, 1:]
@@ -115,13 +144,13 @@ def mode_groups(dataset: xr.Dataset) -> list[list[int]]:
     return [group.tolist() for group in np.split(np.arange(n_modes), cuts)]
 
 
-def _mark_veering(axes: Axes, angles: FloatArray, veering: NDArray[np.bool_]) -> None:
+def _where_veering(angles: FloatArray, veering: NDArray[np.bool_]) -> tuple[Span, ...]:
     """Grey strip along the axis where a mode veers at any speed; (speed, angle, mode)."""
     # A flagged angle stands for the interval half way to its neighbours.
     edges = np.clip(reading.cell_edges(angles), angles[0], angles[-1])
-    height = VEERING_STRIP / veering.shape[-1]
-    for run in unbroken_runs(np.any(veering, axis=(0, 2))):
-        axes.axvspan(edges[run.start], edges[run.stop], ymax=height, **STRIP, zorder=0)
+    look = STRIP | {"ymax": VEERING_STRIP / veering.shape[-1], "zorder": 0}
+    runs = unbroken_runs(np.any(veering, axis=(0, 2)))
+    return tuple(Span(edges[r.start], edges[r.stop], look, "veering", upright=True) for r in runs)
 
 
 def points_between(dataset: xr.Dataset) -> list[Between]:
@@ -155,43 +184,62 @@ def _of_modes(between: Between, group: list[int]) -> Between:
     return Between(between.angles, values, branch if len(group) > 1 else np.zeros_like(branch))
 
 
-def _draw_speeds(
-    axes: Axes,
-    angles: FloatArray,
-    frequency: FloatArray,
-    branch: FloatArray,
-    between: list[Between],
-    looks: list[Look],
-) -> None:
-    """All speeds in one panel: frequency (engine, speed, angle, mode), branch without engine.
+def has_few_angles(dataset: xr.Dataset) -> bool:
+    """Whether a map has few crank angles and more crank speeds, so that these make the curves."""
+    angles, speeds = dataset.sizes["crank_angle"], dataset.sizes["crank_speed"]
+    return angles <= MOST_ANGLES and speeds >= max(CURVE, angles + 1)
 
-    Of many speeds each has its look, and the first engine is drawn alone.
+
+def has_no_curve_over_angle(dataset: xr.Dataset) -> bool:
+    """Whether that map has so few crank angles that over them there are points alone."""
+    return has_few_angles(dataset) and dataset.sizes["crank_angle"] <= POINTS
+
+
+def plot_frequencies_over_speed(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw natural frequencies against crank speed, one panel a mode, one line a crank angle.
+
+    Modes are in order of frequency at each speed. The first engine is drawn as lines, the others
+    as markers. Of more than six crank angles six are drawn, evenly spread.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``MovingFrequencies`` result; frequencies in Hz, angles in rad, speeds in rad/s.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a mode. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
     """
-    _, n_speeds, _, n_modes = frequency.shape
-    # One mode alone is one line: sorted frequencies do not jump.
-    along = branch if n_modes > 1 else np.zeros_like(branch)
-    for number, points in enumerate(between):
-        if looks:
-            lines = angle_panels.branch_lines(frequency[0, number], along[number])
-            for of_branch, line in lines.items():
-                axes.plot(*points.among(angles, line, of_branch), **looks[number])
-        else:
-            series = along[number], number, n_speeds, points
-            lines = angle_panels.draw_series(axes, angles, frequency[:, number], *series)
-        if number == 0 and n_modes > 1:
-            _number_branches(axes, lines)
-
-
-def _number_branches(axes: Axes, lines: dict[int, FloatArray]) -> None:
-    """Write each branch's number beside the right end of its line, spread to be read."""
-    ends = sorted((float(line[-1]), number) for number, line in lines.items())
-    there = [(end, number) for end, number in ends if np.isfinite(end)]
-    least = 0.07 * float(np.ptp(axes.get_ylim()))
-    heights = reading.spread(np.array([end for end, _ in there]), least)
-    look: Look = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-    look |= {"va": "center", "fontsize": style.LABEL_POINTS, "color": style.MID_GREY}
-    for height, (_, number) in zip(heights, there, strict=True):
-        axes.annotate(f"branch {number}", (1.0, height), xytext=(6, 0), **look)
+    dataset = dataset.sortby(["crank_speed", "crank_angle"])
+    count = dataset.sizes["crank_angle"]
+    places = np.round(np.linspace(0, count - 1, min(count, MOST_ANGLES))).astype(int)
+    dataset = dataset.isel(crank_angle=places)
+    frequency = reading.values_of(dataset["frequency"], *reading.MAP)
+    speeds, panes = reading.speeds_of(dataset), []
+    names = [f"{angle:.6g} deg" for angle in reading.degrees(dataset["crank_angle"]).tolist()]
+    nowhere = np.zeros((len(speeds), 1))
+    for number, mode in enumerate(dataset["mode"].values.tolist()):
+        curves = list[Curve]()
+        for place, name in enumerate(names):
+            values, series = frequency[:, :, place, number, None], (place, len(names), name)
+            curves += angle_panels.series_curves(speeds, values, nowhere, series)
+        limits = scales.limits_around(frequency[..., number], least_part=scales.FREQUENCY_BAND)
+        heading = reading.mode_label([mode])
+        panes.append(Pane("", curves, title=heading, limits=limits))
+    label, title = reading.speed_unit(dataset), "Natural frequencies over crank speed"
+    ends = np.array(scales.speed_limits(dataset))
+    picture = Picture(
+        panes, f"Crank speed ({label})", dataset, title, "Frequency (Hz)", places=ends
+    )
+    return draw(
+        picture,
+        angle_panels.angle_layout([1] * len(panes)),
+        ax=ax,
+        fewer=angle_panels.ONE_MODE,
+        legend=angle_panels.series_and_engines(dataset, names, along="crank_speed"),
+    )
 
 
 def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -223,7 +271,7 @@ def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
             "this result has no damping by modal strain energy: give the mechanism sections "
             "with specific damping, then compute moving_frequencies"
         )
-    return _draw_damping(dataset, "strain_energy_damping", "Damping by modal strain energy", ax)
+    return _draw_damping(dataset, "strain_energy_damping", ax)
 
 
 def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -243,34 +291,55 @@ def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     -------
     Figure
     """
+    return _draw_damping(dataset, "damping_ratio", ax)
+
+
+def _draw_damping(dataset: xr.Dataset, name: str, ax: AxesLike | None) -> Figure:
+    modes, picture = [f"mode {m}" for m in dataset["mode"].values], damping_picture(dataset, name)
+    return draw(
+        picture,
+        angle_panels.angle_layout([1] * len(picture.panes), share_y=True),
+        ax=ax,
+        fewer="choose one speed (speeds=...)",
+        legend=angle_panels.series_and_engines(dataset, modes),
+    )
+
+
+def damping_picture(dataset: xr.Dataset, name: str) -> Picture:
+    """Damping ratios against crank angle, a pane for each speed, six at most.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``MovingFrequencies`` result.
+    name : str
+        ``"strain_energy_damping"`` or ``"damping_ratio"``.
+
+    Returns
+    -------
+    Picture
+    """
     title = "Kelvin-Voigt damping of frozen positions"
     if dataset.attrs.get("damped_by", "Kelvin-Voigt") != "Kelvin-Voigt":
         title = "Damping ratios of frozen positions"
-    return _draw_damping(dataset, "damping_ratio", title, ax)
-
-
-def _draw_damping(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | None) -> Figure:
+    if name == "strain_energy_damping":
+        title = "Damping by modal strain energy"
     count = dataset.sizes["crank_speed"]
     # The first and the last among them.
     places = np.round(np.linspace(0, count - 1, min(count, MOST_SPEEDS))).astype(int)
     dataset = dataset.sortby("crank_angle").isel(crank_speed=places)
     percent = 100.0 * reading.values_of(dataset[name], *reading.MAP)
     branch = reading.values_of(dataset["branch_of_mode"], *reading.MAP)[0]
-    _, n_speeds, _, n_modes = percent.shape
-    angles = reading.degrees(dataset["crank_angle"])
-    layout = angle_panels.angle_layout([1] * n_speeds, share_y=True)
-    with sheet(layout, ax=ax, fewer="choose one speed (speeds=...)") as drawn:
-        modes = [f"mode {mode}" for mode in dataset["mode"].values]
-        handles = angle_panels.series_and_engines(dataset, modes)
-        drawn.header(handles, title, of=dataset)
-        angle_panels.label_angles(drawn, angles, "Damping ratio (%)")
-        for speed, (axes, text) in enumerate(
-            zip(drawn.panels, reading.speed_texts(dataset), strict=True)
-        ):
-            drawn.title(axes, text)
-            scales.scale_y(axes, percent, least_part=LEAST_BAND)
-            for mode in range(n_modes):
-                one = slice(mode, mode + 1)
-                values, along = percent[:, speed, :, one], branch[speed, :, one]
-                angle_panels.draw_series(axes, angles, values, along, mode, n_modes)
-    return drawn.figure
+    angles, panes = reading.degrees(dataset["crank_angle"]), []
+    limits = scales.limits_around(percent, least_part=LEAST_BAND)
+    modes = dataset["mode"].values.tolist()
+    for speed, text in enumerate(reading.speed_texts(dataset)):
+        curves = list[Curve]()
+        for number, mode in enumerate(modes):
+            values, along = percent[:, speed, :, [number]], branch[speed, :, [number]]
+            series = number, len(modes), f"mode {mode}"
+            curves += angle_panels.series_curves(
+                angles, np.moveaxis(values, 0, -1), along.T, series
+            )
+        panes.append(Pane("", curves, title=text, limits=limits))
+    return over_angles(angles, panes, dataset, title, "Damping ratio (%)")

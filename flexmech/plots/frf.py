@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.plots import reading, scales
+from flexmech.plots.drawing import draw, draw_pane
 from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, over_angles
 from flexmech.plots.reading import amplitudes_of, complex_values, signed, speed_text
 from flexmech.plots.style import (
     MID_GREY,
@@ -264,17 +268,26 @@ def plot_comparison(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     -------
     Figure
     """
-    over_angle = "sample" in dataset.dims
-    rows = 2 if over_angle else 3
+    picture, timed = comparison_picture(dataset), "time" in dataset.dims
+    rows = len(picture.panes) + timed
+
+    def finish(drawn: Sheet) -> None:
+        if timed:
+            scales.angle_axis(drawn.panels[0], dataset)
+            _draw_spectra(drawn.panels[-1], dataset)
+        for axes in drawn.panels if picture.over == "angle" else ():
+            axes.margins(x=MARK_ROOM)
+            axes.autoscale(axis="x")
+
     layout = grid(rows, 1, rows * PANEL_HEIGHT + COMPARED_AXES_HEIGHT)
-    with sheet(layout, ax=ax) as drawn:
-        if "time" in dataset.dims:
-            _draw_time(drawn, dataset)
-        elif over_angle:
-            _draw_frequencies(drawn, dataset)
-        else:
-            _draw_function(drawn, dataset)
-    return drawn.figure
+    return draw(picture, layout, ax=ax, after=int(timed), finish=finish)
+
+
+def comparison_picture(dataset: xr.Dataset) -> Picture:
+    """A measured record, the computed one and the residual, as of plot_comparison."""
+    of = {"time": _over_time, "sample": _over_angle}
+    make = next((made for name, made in of.items() if name in dataset.dims), _over_frequency)
+    return replace(make(dataset), title=_compared_title(dataset))
 
 
 def _compared_title(dataset: xr.Dataset) -> str:
@@ -308,78 +321,77 @@ def _what(dataset: xr.Dataset) -> str:
     return next((word for word in ("strain", "deflection") if word in name), name).capitalize()
 
 
-def _draw_time(drawn: Sheet, dataset: xr.Dataset) -> None:
-    curves, residual, spectra = drawn.panels
-    time = dataset["time"].values
-    drawn.header(line_handles(COMPARED), _compared_title(dataset), of=dataset)
+def _compared(x: FloatArray, curves: dict[str, FloatArray]) -> list[Curve]:
+    return [Curve(x, values, COMPARED[name], name) for name, values in curves.items()]
+
+
+def _over_time(dataset: xr.Dataset) -> Picture:
+    time, units = dataset["time"].values, READ[str(dataset.attrs["unit"])]
+    curves = _compared(time, {name: dataset[name].values for name in COMPARED})
+    # Mostly noise, whose swings would run together.
+    residual = replace(curves[2], look=RESIDUAL | {"lw": 0.4})
+    panes = (
+        Pane(_what(dataset), curves[:2], units, spans=(ZERO,)),
+        Pane("Residual", (residual,), units, spans=(ZERO,)),
+    )
+    return Picture(panes, "Time (s)", dataset, places=time)
+
+
+def _draw_spectra(axes: Axes, dataset: xr.Dataset) -> None:
+    """Spectra of both curves and of the residual, in the unit of the curves."""
     units = READ[str(dataset.attrs["unit"])]
     factor, unit = reading.fitting_unit(dataset["measured"].values, units)
-    of_residual, unit_of_residual = reading.fitting_unit(dataset["residual"].values, units)
-    for axes in (curves, residual):
-        axes.set_xlim(float(time[0]), float(time[-1]))
-        scales.zero_line(axes)
-        scales.plain_numbers(axes)
-    curves.plot(time, factor * dataset["measured"].values, **MEASURED)
-    curves.plot(time, factor * dataset["computed"].values, **COMPUTED)
-    scales.angle_axis(curves, dataset)
-    curves.set_ylabel(f"{_what(dataset)} ({unit})")
-    # Mostly noise, whose swings would run together.
-    residual.plot(time, of_residual * dataset["residual"].values, **(RESIDUAL | {"lw": 0.4}))
-    residual.set(xlabel="Time (s)", ylabel=f"Residual ({unit_of_residual})")
     amplitude = factor * dataset["spectrum"].transpose("curve", "spectrum_frequency").values
-    frequency = dataset["spectrum_frequency"].values
-    for values, look in zip(amplitude, COMPARED.values(), strict=True):
-        spectra.plot(frequency[1:], values[1:], **look)
-    highest = float(amplitude.max())
-    scales.log_scale(spectra, highest * 10.0**-COMPARED_DECADES, 2 * highest)
-    spectra.set_xlim(0.0, float(frequency[-1]))
-    spectra.set(xlabel="Frequency (Hz)", ylabel=f"Amplitude ({unit})")
+    frequency, highest = dataset["spectrum_frequency"].values, float(amplitude.max())
+    curves = _compared(frequency[1:], dict(zip(COMPARED, amplitude[:, 1:], strict=True)))
+    limits = highest * 10.0**-COMPARED_DECADES, 2 * highest
+    draw_pane(
+        axes,
+        Pane(
+            f"Amplitude ({unit})",
+            curves,
+            limits=limits,
+            scale="log",
+            along="Frequency (Hz)",
+        ),
+    )
+    axes.set_xlim(0.0, float(frequency[-1]))
 
 
-def _draw_function(drawn: Sheet, dataset: xr.Dataset) -> None:
-    amplitude, phase, residual = drawn.panels
+def _over_frequency(dataset: xr.Dataset) -> Picture:
     frequency = dataset["frequency"].values
-    drawn.header(line_handles(COMPARED), _compared_title(dataset), of=dataset)
-    curves = {name: reading.complex_values(dataset, name) for name in COMPARED}
-    sizes = {name: np.abs(values) for name, values in curves.items()}
+    functions = {name: reading.complex_values(dataset, name) for name in COMPARED}
+    sizes = {name: np.abs(values) for name, values in functions.items()}
     factor, unit = reading.fitting_unit(sizes["measured"], READ[str(dataset.attrs["unit"])])
-    for name in ("measured", "computed"):
-        amplitude.plot(frequency, factor * sizes[name], **COMPARED[name])
-        phase.plot(frequency, np.degrees(np.angle(curves[name])), **COMPARED[name])
-    residual.plot(frequency, factor * sizes["residual"], **RESIDUAL)
-    kind = str(dataset.attrs["kind"]).capitalize()
-    for axes, label in ((amplitude, kind), (residual, "Residual")):
-        drawn_values = np.concatenate([line.get_ydata() for line in axes.lines])
-        low, high = scales.log_limits(drawn_values, COMPARED_DECADES)
-        scales.log_scale(axes, low / 1.5, high)
-        axes.set_ylabel(f"{label} ({unit})")
-    scales.phase_axis(phase)
-    phase.set_ylabel("Phase (deg)")
-    for axes in drawn.panels:
-        axes.set_xlim(float(frequency[0]), float(frequency[-1]))
-    drawn.label_x("Frequency (Hz)")
+    panes = []
+    for label, names in (
+        (str(dataset.attrs["kind"]).capitalize(), ("measured", "computed")),
+        ("Residual", ("residual",)),
+    ):
+        shown = {name: factor * sizes[name] for name in names}
+        low, high = scales.log_limits(np.concatenate(list(shown.values())), COMPARED_DECADES)
+        curves = _compared(frequency, shown)
+        panes.append(Pane(f"{label} ({unit})", curves, limits=(low / 1.5, high), scale="log"))
+    phases = {name: np.degrees(np.angle(functions[name])) for name in ("measured", "computed")}
+    phase = _compared(frequency, phases)
+    panes.insert(1, Pane("Phase (deg)", phase, limits=scales.PHASES, ticks=scales.PHASE_TICKS))
+    return Picture(panes, "Frequency (Hz)", dataset, places=frequency)
 
 
-def _draw_frequencies(drawn: Sheet, dataset: xr.Dataset) -> None:
-    upper, lower = drawn.panels
-    modes = np.unique(dataset["mode"].values)
-    handles = [line_handle("measured", color="0.3", **POINTS), line_handle("computed", color="0.3")]
-    for number, mode in enumerate(modes):
+def _over_angle(dataset: xr.Dataset) -> Picture:
+    upper, lower = list[Curve](), list[Curve]()
+    for number, mode in enumerate(np.unique(dataset["mode"].values)):
         own = dataset.isel(sample=np.flatnonzero(dataset["mode"].values == mode))
         own = own.sortby("crank_angle")
-        angle, look = reading.degrees(own["crank_angle"]), series_style(number)
-        upper.plot(angle, own["measured"].values, color=look.color, **POINTS)
-        upper.plot(angle, own["computed"].values, color=look.color, ls=look.linestyle, lw=0.9)
-        lower.plot(angle, own["residual"].values, color=look.color, **POINTS)
-        handles.append(
-            line_handle(reading.mode_label([int(mode)]).lower(), color=look.color, lw=2.0)
-        )
-    drawn.header(handles, _compared_title(dataset), of=dataset)
-    scales.zero_line(lower)
-    for axes, label in ((upper, "Natural frequency (Hz)"), (lower, "Residual (Hz)")):
-        scales.crank_angle_axis(axes, np.unique(reading.degrees(dataset["crank_angle"])))
-        axes.margins(x=MARK_ROOM)
-        axes.autoscale(axis="x")
-        scales.plain_numbers(axes)
-        axes.set_ylabel(label)
-    drawn.label_x("Crank angle (deg)")
+        angle, style = reading.degrees(own["crank_angle"]), series_style(number)
+        points = POINTS | {"color": style.color}
+        line: Look = {"color": style.color, "ls": style.linestyle, "lw": 0.9}
+        name = reading.mode_label([int(mode)]).lower()
+        upper.append(Curve(angle, own["measured"].values, points, f"{name}, measured"))
+        upper.append(Curve(angle, own["computed"].values, line, f"{name}, computed"))
+        lower.append(Curve(angle, own["residual"].values, points))
+    panes = (
+        Pane("Natural frequency (Hz)", upper),
+        Pane("Residual (Hz)", lower, spans=(ZERO,)),
+    )
+    return over_angles(np.unique(reading.degrees(dataset["crank_angle"])), panes, dataset)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.transforms import Affine2D
 
 from flexmech.arrays import FloatArray
-from flexmech.plots import angle_panels, motion, reading, scales, style
+from flexmech.plots import angle_panels, motion, reading, style
+from flexmech.plots.drawing import draw
 from flexmech.plots.drawn_linkage.parts import drawn_posture
 from flexmech.plots.drawn_linkage.sketch import RIGID, SMALL, LinkageSketch
 from flexmech.plots.drawn_linkage.symbols import add_symbols
 from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span, over_angles, series
 
 POWER: reading.Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 # Motion of a link: variable, what it is, factor from the SI unit, and unit.
@@ -27,10 +27,10 @@ MOTIONS = (
 # In points, doubled and trebled at each further round through the styles.
 WIDTHS = (1.1, 2.2, 3.3)
 # Around forces by distributed masses, which they hardly leave.
-LUMPED: style.Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3}
+LUMPED: style.Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3, "zorder": 1.9}
 
 # Of the magnitude of a force, behind its components.
-MAGNITUDE: style.Look = {"color": "0.6", "lw": 2.2}
+MAGNITUDE: style.Look = {"color": "0.6", "lw": 2.2, "zorder": 1.5}
 
 TITLE = "Transmission angle over a turn of the crank"
 
@@ -59,20 +59,18 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     -------
     Figure
     """
+    return draw(link_motion_picture(dataset), grid(3, 1, 5.4, sharex=True), ax=ax)
+
+
+def link_motion_picture(dataset: xr.Dataset) -> Picture:
+    """Angle, angular velocity and angular acceleration of each link, as of plot_kinematics."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
-    links = reading.names_of(dataset, "link")
-    with sheet(grid(3, 1, 5.4, sharex=True), ax=ax) as drawn:
-        handles = [style.line_handle(name, **_link_line(n)) for n, name in enumerate(links)]
-        drawn.header(handles, f"Motion of the links {reading.conditions(dataset)}", of=dataset)
-        for axes, (name, words, factor, unit) in zip(drawn.panels, MOTIONS, strict=True):
-            values = dataset[name].transpose("link", "crank_angle").values
-            scales.zero_line(axes)
-            for number, line in enumerate(values):
-                axes.plot(angles, factor * line, **_link_line(number, angles))
-            scales.plain_numbers(axes)
-            axes.set_ylabel(f"{words}\n({unit})")
-        motion.label_positions(drawn, over)
-    return drawn.figure
+    panes = []
+    for name, words, factor, unit in MOTIONS:
+        values = dataset[name].transpose("link", "crank_angle").values
+        curves = series(angles, factor * values, reading.names_of(dataset, "link"), _link_line)
+        panes.append(Pane(f"{words}\n({unit})", curves, spans=(ZERO,)))
+    return motion.over_positions(over, panes, f"Motion of the links {reading.conditions(over)}")
 
 
 def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -90,30 +88,30 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     -------
     Figure
     """
+    return draw(
+        joint_forces_picture(dataset),
+        angle_panels.angle_layout([1] * dataset.sizes["joint"]),
+        ax=ax,
+    )
+
+
+def joint_forces_picture(dataset: xr.Dataset) -> Picture:
+    """Force at each joint, as of plot_joint_forces."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
-    joints = reading.names_of(dataset, "joint")
-    components = reading.names_of(dataset, "component")
-    factor, unit = reading.fitting_unit(dataset["joint_force"].values, reading.FORCE_UNITS)
-    with sheet(angle_panels.angle_layout([1] * len(joints)), ax=ax) as drawn:
-        handles = style.series_handles(f"along {name}" for name in components)
-        handles.append(style.line_handle("magnitude", **MAGNITUDE))
-        title = f"Joint forces {reading.conditions(dataset)}"
-        drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
-        for axes, joint in zip(drawn.panels, joints, strict=True):
-            drawn.title(axes, reading.joint_title(dataset, joint))
-            scales.zero_line(axes)
-            own = reading.values_of(
-                dataset["joint_force"].sel(joint=joint), "crank_angle", "component"
-            )
-            axes.plot(angles, factor * np.linalg.norm(own, axis=-1), **MAGNITUDE, zorder=1.5)
-            for number, component in enumerate(components):
-                there = dataset.sel(joint=joint, component=component)
-                angle_panels.draw_line(axes, angles, factor * there["joint_force"].values, number)
-                if "lumped_joint_force" in there:
-                    axes.plot(angles, factor * there["lumped_joint_force"].values, **LUMPED)
-            scales.plain_numbers(axes)
-        motion.label_positions(drawn, over, f"Force ({unit})")
-    return drawn.figure
+    panes = []
+    for joint in reading.names_of(dataset, "joint"):
+        own = dataset.sel(joint=joint)
+        force = reading.values_of(own["joint_force"], "component", "crank_angle")
+        names = [f"along {name}" for name in reading.names_of(dataset, "component")]
+        curves = series(angles, force, names)
+        curves.append(Curve(angles, np.linalg.norm(force, axis=0), MAGNITUDE, "magnitude"))
+        if "lumped_joint_force" in own:
+            lumped = reading.values_of(own["lumped_joint_force"], "component", "crank_angle")
+            curves += [_lumped(dataset, angles, line) for line in lumped]
+        title = reading.joint_title(dataset, joint)
+        panes.append(Pane("", curves, reading.FORCE_UNITS, title, (ZERO,)))
+    title = f"Joint forces {reading.conditions(over)}"
+    return motion.over_positions(over, panes, title, "Force")
 
 
 def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -132,35 +130,34 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
+    rows = 2 + ("transmission_angle" in dataset)
+    return draw(drive_picture(dataset), grid(rows, 1, 1.7 * rows + 0.3, sharex=True), ax=ax)
+
+
+def drive_picture(dataset: xr.Dataset) -> Picture:
+    """Driving torque, power and transmission angles, as of plot_drive."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
-    both = "transmission_angle" in dataset
-    rows = 2 + both
-    with sheet(grid(rows, 1, 1.7 * rows + 0.3, sharex=True), ax=ax) as drawn:
-        title = f"Drive {reading.conditions(dataset)}"
-        handles = style.series_handles(("crank drives", "rocker drives") if both else ())
-        drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
-        shown = (
-            ("driving_torque", "Torque", reading.TORQUE_UNITS),
-            ("driving_power", "Power", POWER),
+    both, panes = "transmission_angle" in dataset, []
+    shown = (("driving_torque", "Torque", reading.TORQUE_UNITS), ("driving_power", "Power", POWER))
+    for name, words, units in shown:
+        curves = [Curve(angles, dataset[name].values, style.series_line(0, angles))]
+        if f"lumped_{name}" in dataset:
+            curves.append(_lumped(dataset, angles, dataset[f"lumped_{name}"].values))
+        panes.append(Pane(words, curves, units, spans=(ZERO,)))
+    if both:
+        angle, turned = (
+            np.degrees(dataset[f"{name}transmission_angle"].values) for name in ("", "reversed_")
         )
-        for axes, (name, words, units) in zip(drawn.panels, shown, strict=False):
-            factor, unit = reading.fitting_unit(dataset[name].values, units)
-            scales.zero_line(axes)
-            angle_panels.draw_line(axes, angles, factor * dataset[name].values, 0)
-            if f"lumped_{name}" in dataset:
-                axes.plot(angles, factor * dataset[f"lumped_{name}"].values, **LUMPED)
-            scales.plain_numbers(axes)
-            axes.set_ylabel(f"{words} ({unit})")
-        if both:
-            last = drawn.panels[-1]
-            last.axhline(90.0, color=style.LIGHT_GREY, lw=0.6, zorder=0)
-            for number, name in enumerate(("transmission_angle", "reversed_transmission_angle")):
-                angle_panels.draw_line(last, angles, np.degrees(dataset[name].values), number)
-            last.set_ylim(0.0, 180.0)
-            last.set_yticks([0, 45, 90, 135, 180])
-            last.set_ylabel("Transmission\nangle (deg)")
-        motion.label_positions(drawn, over)
-    return drawn.figure
+        panes.append(
+            Pane(
+                "Transmission\nangle (deg)",
+                series(angles, (angle, turned), ("crank drives", "rocker drives")),
+                spans=(Span(90.0, 90.0, ZERO.look),),
+                limits=(0.0, 180.0),
+                ticks=(0.0, 45.0, 90.0, 135.0, 180.0),
+            )
+        )
+    return motion.over_positions(over, panes, f"Drive {reading.conditions(over)}")
 
 
 def _link_line(number: int, points: FloatArray | None = None) -> style.Look:
@@ -169,10 +166,10 @@ def _link_line(number: int, points: FloatArray | None = None) -> style.Look:
     return style.series_line(number, points) | {"lw": width}
 
 
-def _lumped_handle(dataset: xr.Dataset) -> list[Artist]:
-    if "lumped_joint_force" not in dataset:
-        return []
-    return [style.line_handle(f"{dataset.sizes['lump']} lumped masses", **LUMPED)]
+def _lumped(dataset: xr.Dataset, angles: FloatArray, values: FloatArray) -> Curve:
+    """What masses lumped at points exert."""
+    name = f"{dataset.sizes['lump']} lumped masses"
+    return Curve(angles, values, LUMPED, name, followed=None)
 
 
 def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -199,22 +196,16 @@ def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) 
         If there are no linkages, or more than there are styles to tell them apart.
     """
     names = style.distinct_names(reading.names_of(dataset, "linkage"))
-    curves = np.degrees(reading.values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
+    values = np.degrees(reading.values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
     angles, attrs = reading.degrees(dataset["crank_angle"]), dataset.attrs
-    with sheet(grid(1, 1, 3.2), ax=ax) as drawn:
-        (axes,) = drawn.panels
-        handles = style.series_handles(names)
-        if "wanted_least" in attrs:
-            wanted = np.degrees([attrs["wanted_least"], attrs["wanted_greatest"]])
-            axes.axhspan(*wanted, color=style.LIGHT_GREY, zorder=0)
-            words = attrs.get("wanted_label", "wanted range")
-            handles.append(Patch(color=style.LIGHT_GREY, label=words))
-        drawn.header(handles, str(attrs.get("title", TITLE)), of=dataset)
-        axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
-        for number, values in enumerate(curves):
-            axes.plot(angles, values, **style.series_line(number))
-        angle_panels.label_angles(drawn, angles, "Transmission angle (deg)")
-    return drawn.figure
+    spans = [Span(90.0, 90.0, {"color": style.MID_GREY, "lw": 0.6, "zorder": 1})]
+    if "wanted_least" in attrs:
+        low, high = np.degrees([attrs["wanted_least"], attrs["wanted_greatest"]])
+        words = str(attrs.get("wanted_label", "wanted range"))
+        spans.append(Span(low, high, {"color": style.LIGHT_GREY, "zorder": 0}, words))
+    pane = Pane("Transmission angle (deg)", series(angles, values, names), spans=spans)
+    picture = over_angles(angles, [pane], dataset, str(attrs.get("title", TITLE)))
+    return draw(picture, grid(1, 1, 3.2), ax=ax)
 
 
 def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -316,25 +307,19 @@ def plot_coupler_angles(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> F
     change = angle - angle[:, :1]
     # Two unwrapped angles may be whole turns apart.
     change -= 360.0 * np.round(change.mean(axis=-1, keepdims=True) / 360.0)
-    rows = 2 if len(states) > 1 else 1
+    panes, links = [], reading.names_of(dataset, "link")
+    for number, (link, lines) in enumerate(zip(links, angle, strict=True), 3):
+        title = f"{link.capitalize()}, $\\theta_{number}$"
+        curves = series(angles, lines, states)
+        panes.append(Pane(rf"$\theta_{number}$ (deg)", curves, title=title))
+    zero = Span(0.0, 0.0, {"color": style.MID_GREY, "lw": 0.6, "zorder": 1})
+    for number, lines in enumerate(change if len(states) > 1 else (), 3):
+        curves = series(angles, lines, states)[1:]
+        panes.append(Pane(rf"Change of $\theta_{number}$ (deg)", curves, spans=[zero]))
+    rows = len(panes) // 2
     layout = grid(rows, 2, ANGLE_HEIGHT if rows > 1 else ANGLE_HEIGHT / 2 + 0.5, sharex=True)
-    with sheet(layout, ax=ax) as drawn:
-        drawn.header(style.series_handles(states), "Angles of coupler and rocker", of=dataset)
-        for place, axes in enumerate(drawn.panels):
-            row, link = divmod(place, 2)
-            symbol = rf"$\theta_{link + 3}$"
-            if row == 0:
-                axes.set_title(f"{reading.names_of(dataset, 'link')[link].capitalize()}, {symbol}")
-            else:
-                axes.axhline(0.0, color=style.MID_GREY, lw=0.6, zorder=1)
-            for number in range(row, len(states)):
-                values = (angle, change)[row][link, number]
-                axes.plot(angles, values, **style.series_line(number, angles))
-            scales.plain_numbers(axes)
-            scales.crank_angle_axis(axes, angles)
-            axes.set_ylabel(f"{('', 'Change of ')[row]}{symbol} (deg)")
-        drawn.label_x("Crank angle (deg)")
-    return drawn.figure
+    title = "Angles of coupler and rocker"
+    return draw(over_angles(angles, panes, dataset, title), layout, ax=ax)
 
 
 def _is_curve(dataset: xr.Dataset) -> bool:

@@ -198,7 +198,7 @@ class Sheet:
 
 @contextmanager
 def sheet(layout: Layout, *, ax: AxesLike | None = None, fewer: str = "") -> Iterator[Sheet]:
-    """Panels in the publication style, for as long as the context lasts.
+    """Panels of a new figure in the publication style, or the user's under his settings.
 
     Parameters
     ----------
@@ -218,16 +218,18 @@ def sheet(layout: Layout, *, ax: AxesLike | None = None, fewer: str = "") -> Ite
     InputError
         If ``ax`` is not as many Axes as there are panels.
     """
-    with publication_style():
-        if ax is None:
-            figure = new_figure(layout.height)
-            yield Sheet(figure, layout.make(figure))
-            if any(axes.get_ylabel() for axes in figure.axes):
-                # Alignment measures the numbers of all panels for each of them.
-                figure.align_ylabels()
-        else:
-            panels = _given(ax, layout.count, fewer)
+    if ax is not None:
+        panels = _given(ax, layout.count, fewer)
+        # Letters and lines are the user's; headings stand at the left in any case.
+        with mpl.rc_context({"axes.titlelocation": "left"}):
             yield Sheet(panels[0].figure.figure, panels, is_new=False)
+        return
+    with publication_style():
+        figure = new_figure(layout.height)
+        yield Sheet(figure, layout.make(figure))
+        if any(axes.get_ylabel() for axes in figure.axes):
+            # Alignment measures the numbers of all panels for each of them.
+            figure.align_ylabels()
 
 
 def _given(ax: AxesLike, count: int, fewer: str) -> list[Axes]:

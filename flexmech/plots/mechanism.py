@@ -14,10 +14,12 @@ from matplotlib.transforms import Bbox
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
+from flexmech.plots.drawing import draw_pane
 from flexmech.plots.drawn_linkage.figures import name_joints, named_places, part_handles
 from flexmech.plots.drawn_linkage.sketch import LinkageSketch
 from flexmech.plots.drawn_linkage.symbols import OUTLINE
 from flexmech.plots.layout import AxesLike, Layout, height_of, round_length, sheet
+from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.style import LABEL_POINTS, Look, line_handle, series_style
 
@@ -97,7 +99,10 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         name_joints(posture, sketch, dataset)
         _draw_sections(sections, stacks)
         for axes in rest:
-            _draw_transmission_angle(axes, dataset)
+            turned = transmission_picture(dataset)
+            draw_pane(axes, turned.panes[0])
+            drawn.title(axes, turned.panes[0].title)
+            scales.crank_angle_axis(axes, turned.places, narrow=True)
     return drawn.figure
 
 
@@ -359,24 +364,43 @@ def _draw_sections(axes: Axes, stacks: _Stacks) -> None:
     axes.text(0.0, 0.5 * line, f"{length:g} mm", fontsize=LABEL_POINTS, va="bottom")
 
 
-def _draw_transmission_angle(axes: Axes, dataset: xr.Dataset) -> None:
-    """Transmission angle over the turn, with the usual range and where the posture is."""
+def transmission_picture(dataset: xr.Dataset) -> Picture:
+    """Transmission angle over the turn, with the usual range and where the posture is.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``ModelCheck`` result with ``transmission_angle``.
+
+    Returns
+    -------
+    Picture
+    """
     angles = degrees(dataset["crank_angle"])
     values = np.degrees(dataset["transmission_angle"].values.astype(float))
     usual = _degrees(dataset["usual_transmission_angle"])
-    axes.axhspan(*usual, color=style.LIGHT_GREY, lw=0, zorder=0)
-    axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
-    axes.plot(angles, values, color="black")
-    posture = np.degrees(dataset["posture_angle"].item()) % 360.0
-    axes.plot(posture, np.interp(posture, angles, values), "o", color="black", ms=4, zorder=3)
+    posture = np.degrees(dataset["posture_angle"].values[None]) % 360.0
+    dot: Look = {"ls": "", "marker": "o", "color": "black", "ms": 4, "zorder": 3}
     low, high = _degrees(dataset["transmission_angle_limit"])
-    axes.set_title(f"Transmission angle {low:.3g}° to {high:.3g}°")
     lowest, highest = min(low, *usual) - 8.0, max(high, *usual) + 8.0
-    ticks = (0.0, 90.0, 180.0, *usual)
-    axes.set_yticks([tick for tick in ticks if lowest < tick < highest])
-    axes.set_ylim(lowest, highest)
-    scales.crank_angle_axis(axes, angles, narrow=True)
-    axes.set(xlabel="Crank angle (deg)", ylabel="Transmission angle (deg)")
+    pane = Pane(
+        "Transmission angle (deg)",
+        (
+            Curve(angles, values, {"color": "black"}),
+            Curve(posture, np.interp(posture, angles, values), dot),
+        ),
+        title=f"Transmission angle {low:.3g}° to {high:.3g}°",
+        spans=(
+            Span(
+                usual[0], usual[1], {"color": style.LIGHT_GREY, "lw": 0, "zorder": 0}, "usual range"
+            ),
+            Span(90.0, 90.0, {"color": style.MID_GREY, "lw": 0.6, "zorder": 1}),
+        ),
+        limits=(lowest, highest),
+        ticks=tuple(one for one in (0.0, 90.0, 180.0, *usual) if lowest < one < highest),
+        along="Crank angle (deg)",
+    )
+    return over_angles(angles, [pane], dataset)
 
 
 def _degrees(limits: xr.DataArray) -> list[float]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from flexmech.arrays import SAME_PLACE, FloatArray
-from flexmech.plots import angle_panels, reading, scales, style
-from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
+from flexmech.plots import reading, style
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike, grid
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture
 
 # More columns are too narrow for the numbers of their axes; what is left out stands in the tables.
 MOST_POINTS = 4
@@ -122,26 +125,29 @@ def positions(dataset: xr.Dataset) -> tuple[xr.Dataset, FloatArray]:
     return renamed, renamed["crank_angle"].values.astype(float)
 
 
-def label_positions(drawn: Sheet, dataset: xr.Dataset, y_label: str = "") -> None:
-    """Scale and label the axes of panels over the crank angle, or over time under a law.
+def over_positions(
+    dataset: xr.Dataset, panes: Sequence[Pane], title: str, y_label: str = ""
+) -> Picture:
+    """A picture over the crank angle, or over time under a law of motion.
 
     Parameters
     ----------
-    drawn : Sheet
     dataset : Dataset
-        As of :func:`positions`.
+        Over ``crank_angle``, or over ``time``.
+    panes : sequence of Pane
+    title : str
     y_label : str
-        Label of all y axes, with its unit; left out where they differ.
+        Of all axes along y; left out where they differ.
+
+    Returns
+    -------
+    Picture
     """
-    if "time" not in dataset.dims:
-        angle_panels.label_angles(drawn, reading.degrees(dataset["crank_angle"]), y_label)
-        return
-    time = dataset["time"].values.astype(float)
-    for axes in drawn.panels:
-        axes.set_xlim(float(time[0]), float(time[-1]))
-    drawn.label_x("Time (s)")
-    if y_label:
-        drawn.label_y(y_label)
+    timed = "time" in dataset.dims
+    along = "Time (s)" if timed else "Crank angle (deg)"
+    places = positions(dataset)[1]
+    kind: Literal["number", "angle"] = "number" if timed else "angle"
+    return Picture(panes, along, dataset, title, y_label, kind, places)
 
 
 def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -161,31 +167,42 @@ def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    over, (dataset, angles) = dataset, positions(dataset)
     points = drawn_points(dataset)[:MOST_POINTS]
-    lines = motion_lines(dataset, points)
     layout = grid(3, len(points), HEIGHT, sharex=True, narrow=min(len(points), 2))
-    with sheet(layout, ax=ax) as drawn:
-        # Alphabetical, but for lines of sliders, which are last.
-        ways = sorted({line.along for line in lines}, key=lambda way: (way == ITS_LINE, way))
-        handles = style.series_handles(f"along {way}" for way in ways)
-        title = f"Motion of points {reading.conditions(dataset)}"
-        drawn.header(handles, title, of=dataset)
-        for row, (_, words, units) in enumerate(KINDS):
-            shown = np.concatenate([line.values[row] for line in lines])
-            factor, unit = reading.fitting_unit(shown, units)
-            for column, point in enumerate(points):
-                axes = drawn.panels[row * len(points) + column]
-                if row:
-                    scales.zero_line(axes)
-                for line in lines:
-                    if line.point == point:
-                        values = factor * line.values[row]
-                        angle_panels.draw_line(axes, angles, values, ways.index(line.along))
-                scales.plain_numbers(axes)
-                if row == 0 or style.is_narrow():
-                    axes.set_title(point.replace("$", r"\$"))
-                if column == 0 or style.is_narrow():
-                    axes.set_ylabel(f"{words} ({unit})")
-        label_positions(drawn, over)
-    return drawn.figure
+    return draw(motion_picture(dataset, points), layout, ax=ax)
+
+
+def motion_picture(dataset: xr.Dataset, points: list[str]) -> Picture:
+    """Rows of position, velocity and acceleration, with a pane for each of the points.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` result.
+    points : list of str
+
+    Returns
+    -------
+    Picture
+    """
+    over, (dataset, angles) = dataset, positions(dataset)
+    lines = motion_lines(dataset, points)
+    # Alphabetical, but for lines of sliders, which are last.
+    ways = sorted({line.along for line in lines}, key=lambda way: (way == ITS_LINE, way))
+    panes = []
+    for row, (_, words, units) in enumerate(KINDS):
+        unit = (reading.fitting_unit(np.concatenate([line.values[row] for line in lines]), units),)
+        for column, point in enumerate(points):
+            curves = tuple(
+                Curve(
+                    *(angles, line.values[row], style.series_line(ways.index(line.along), angles)),
+                    f"along {line.along}",
+                )
+                for line in lines
+                if line.point == point
+            )
+            label = words if column == 0 or style.is_narrow() else ""
+            heading = point.replace("$", r"\$") if row == 0 or style.is_narrow() else ""
+            spans = (ZERO,) if row else ()
+            panes.append(Pane(label, curves, unit, heading, spans))
+    return over_positions(over, panes, f"Motion of points {reading.conditions(over)}")

@@ -2,44 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
-from matplotlib import rcParamsDefault
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
-from flexmech.arrays import FloatArray
 from flexmech.plots import reading, scales
-from flexmech.plots.layout import AxesLike, sheet
-from flexmech.plots.style import Look, line_handle, series_handles, series_line
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, by_engine
+from flexmech.plots.style import Look
 
 ROTATION_UNITS: reading.Units = ((np.degrees(1.0), "deg"),)
 SPEED_UNITS: reading.Units = ((1.0, "rad/s"), (1e3, "mrad/s"), (1e6, "µrad/s"))
 
 # Thinner than the engines' lines, which it covers where the links are as good as rigid.
-RIGID: Look = {"color": "0.25", "lw": 0.6}
+RIGID: Look = {"color": "0.25", "lw": 0.6, "zorder": 3}
 
-# Width in points of a line with at most so many turning points in a panel of 450 points' width, so
-# that waves stay apart.
-LINE_WIDTHS = ((80, 1.1), (350, 0.7), (np.inf, 0.5))
-# Of a line with more turning points in a panel of that width the waves run together into a blot:
-# its envelope is drawn, by the least and greatest value in each of so many stretches.
-MOST_TURNING_POINTS, STRETCHES = 700, 300
-ENVELOPE: Look = {"alpha": 0.25, "lw": 0.0}
 # Panels of forces that fit a page: with more of them magnitudes stand alone, without components.
 MOST_FORCE_PANELS = 7
-# Between turning points a line goes up or down by this part of its panel, less is hardly seen.
-RIPPLE = 0.03
-# Width of a panel over that of the figure, of one that has a row for itself.
-ALONE = float(rcParamsDefault["figure.subplot.right"] - rcParamsDefault["figure.subplot.left"])
-# Opacity of a line that turns at more than a third of its samples, so that each wave has less than
-# six, and at more than so many places: it is a band, through which others are seen.
-VEIL = 0.6
-MOST_TURNING, LEAST_VEILED = 0.33, 100
 
 
 def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -61,32 +43,70 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
+    picture = response_picture(dataset)
+    fewer = "choose one link that is watched at its tip (links=...)"
+    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax, fewer=fewer)
+
+
+def response_picture(dataset: xr.Dataset) -> Picture:
+    """Deflections and strains, and the motion of a free shaft, as of plot_response."""
     links = reading.bending_links(dataset)
     strained = [name for name in links if dataset["probe"].sel(link=name) == "middle"]
     watched = [("deflection", name, reading.LENGTH_UNITS) for name in links]
     watched += [("strain", name, reading.STRAIN_UNITS) for name in strained]
     shown = [
-        (
-            dataset[quantity].sel(link=name),
-            units,
-            f"{reading.link_label(dataset, name)}\n{quantity}",
-        )
-        for quantity, name, units in watched
+        (f"{reading.link_label(dataset, name)}\n{of}", dataset[of].sel(link=name), units)
+        for of, name, units in watched
     ]
-    if "shaft_rotation" in dataset:
-        shown += [
-            (dataset["shaft_rotation"], ROTATION_UNITS, "Shaft\nrotation"),
-            (dataset["crank_speed_fluctuation"], SPEED_UNITS, "Shaft speed\nfluctuation"),
-        ]
-    fewer = "choose one link that is watched at its tip (links=...)"
-    with sheet(scales.time_layout(len(shown)), ax=ax, fewer=fewer) as drawn:
-        handles = engine_lines(dataset)
-        handles += _envelope_handles(drawn.panels[0], (quantity for quantity, *_ in shown))
-        drawn.header(handles, reading.run_title(dataset), of=dataset)
-        scales.label_times(drawn, dataset)
-        for axes, (quantity, units, what) in zip(drawn.panels, shown, strict=True):
-            draw_engines(axes, quantity, units, what)
-    return drawn.figure
+    panes = [*engine_panes(dataset, shown), *shaft_panes(dataset)]
+    return over_time(dataset, panes, reading.run_title(dataset))
+
+
+def shaft_panes(dataset: xr.Dataset) -> list[Pane]:
+    """Rotation and speed of a free shaft against what is prescribed; none of a driven one."""
+    if "shaft_rotation" not in dataset:
+        return []
+    rotation = "Shaft\nrotation", dataset["shaft_rotation"], ROTATION_UNITS
+    speed = "Shaft speed\nfluctuation", dataset["crank_speed_fluctuation"], SPEED_UNITS
+    return engine_panes(dataset, [rotation, speed])
+
+
+def over_time(dataset: xr.Dataset, panes: Sequence[Pane], title: str) -> Picture:
+    """A picture against time, with the crank angle on a second axis.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With ``time`` and ``crank_angle``.
+    panes : sequence of Pane
+    title : str
+
+    Returns
+    -------
+    Picture
+    """
+    return Picture(panes, "Time (s)", dataset, title, over="time", places=dataset["time"].values)
+
+
+def engine_panes(
+    dataset: xr.Dataset, shown: Iterable[tuple[str, xr.DataArray, reading.Units]]
+) -> list[Pane]:
+    """Panes of quantities by all engines against time.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    shown : iterable of (str, DataArray, tuple)
+        Words, values with dims engine and time in the SI unit, and units to choose from.
+
+    Returns
+    -------
+    list of Pane
+    """
+    return [
+        Pane(what, by_engine(values, dataset), units, spans=(ZERO,))
+        for what, values, units in shown
+    ]
 
 
 def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -109,34 +129,63 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    torque = dataset["driving_torque"], dataset["rigid_driving_torque"]
-    shown, titles = [(*torque, reading.TORQUE_UNITS, "Driving\ntorque")], [""]
-    pins = dataset["joint"].values[dataset["joint_kind"].values == "pin"]
-    joints = pins if pins.size else dataset["joint"].values
+    pins = dataset.isel(joint=np.flatnonzero(dataset["joint_kind"].values == "pin"))
+    shown = pins if pins.sizes["joint"] else dataset
     components = reading.names_of(dataset, "component")
-    if 1 + len(joints) * (1 + len(components)) > MOST_FORCE_PANELS:
+    if 1 + shown.sizes["joint"] * (1 + len(components)) > MOST_FORCE_PANELS:
         components = []
-    for joint in joints:
+    picture = forces_picture(shown, components)
+    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax)
+
+
+def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Picture:
+    """Driving torque and the size of each joint's force, of elastic and of rigid links.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Response`` result.
+    components : sequence of str
+        Those shown besides the size.
+
+    Returns
+    -------
+    Picture
+    """
+    torque = dataset["driving_torque"], dataset["rigid_driving_torque"]
+    curves = elastic_and_rigid(dataset, *torque)
+    panes = [Pane("Driving\ntorque", curves, reading.TORQUE_UNITS, spans=(ZERO,))]
+    for joint in reading.names_of(dataset, "joint"):
         forces = [dataset[name].sel(joint=joint) for name in ("joint_force", "rigid_joint_force")]
-        drawn_parts = {"magnitude": [_magnitude(force) for force in forces]}
-        drawn_parts |= {one: [force.sel(component=one) for force in forces] for one in components}
-        for part, (elastic, rigid) in drawn_parts.items():
-            shown.append((elastic, rigid, reading.FORCE_UNITS, f"Force at {joint},\n{part}"))
-            titles.append(reading.joint_title(dataset, joint) if part == "magnitude" else "")
-    with sheet(scales.time_layout(len(shown)), ax=ax) as drawn:
-        handles = [*engine_lines(dataset), line_handle("rigid links", **RIGID)]
-        handles += _envelope_handles(drawn.panels[0], (elastic for elastic, *_ in shown))
-        band = dataset.attrs.get("force_band")
-        up_to = "" if band is None else f", forces up to {band:.4g} Hz"
-        drawn.header(handles, reading.run_title(dataset) + up_to, of=dataset)
-        scales.label_times(drawn, dataset)
-        panels = zip(drawn.panels, shown, titles, strict=True)
-        for axes, (elastic, rigid, units, what), title in panels:
-            if title:
-                axes.set_title(title)
-            factor = draw_engines(axes, elastic, units, what)
-            axes.plot(rigid["time"].values, factor * rigid.values, **RIGID, zorder=3)
-    return drawn.figure
+        parts = {"magnitude": [_magnitude(force) for force in forces]}
+        parts |= {one: [force.sel(component=one) for force in forces] for one in components}
+        for part, (elastic, rigid) in parts.items():
+            curves = elastic_and_rigid(dataset, elastic, rigid)
+            title = reading.joint_title(dataset, joint) if part == "magnitude" else ""
+            what = f"Force at {joint},\n{part}"
+            panes.append(Pane(what, curves, reading.FORCE_UNITS, title, (ZERO,)))
+    band = dataset.attrs.get("force_band")
+    up_to = "" if band is None else f", forces up to {band:.4g} Hz"
+    return over_time(dataset, panes, reading.run_title(dataset) + up_to)
+
+
+def elastic_and_rigid(
+    dataset: xr.Dataset, elastic: xr.DataArray, rigid: xr.DataArray
+) -> tuple[Curve, ...]:
+    """A load by all engines against time, and of rigid links.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    elastic, rigid : DataArray
+        With dims engine and time, and time.
+
+    Returns
+    -------
+    tuple of Curve
+    """
+    line = Curve(rigid["time"].values, rigid.values, RIGID, "rigid links", followed=None)
+    return (*by_engine(elastic, dataset), line)
 
 
 def _magnitude(force: xr.DataArray) -> xr.DataArray:
@@ -147,93 +196,36 @@ def _magnitude(force: xr.DataArray) -> xr.DataArray:
     return size
 
 
-def engine_lines(dataset: xr.Dataset) -> list[Artist]:
-    """Legend entries of engines that are all drawn as lines."""
-    return series_handles(reading.engine_label(dataset, n) for n in range(dataset.sizes["engine"]))
-
-
-def draw_engines(axes: Axes, quantity: xr.DataArray, units: reading.Units, what: str) -> float:
-    """Draw a quantity of all engines against time, and scale the y axis to all of it.
-
-    Lines become thinner the more vibrations stand side by side, and translucent where they
-    are faster than the samples tell apart: a band through which other lines can be seen. Of
-    more vibrations than a panel can show the envelope is drawn.
+def plot_frame_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw displacement and rotation of a frame on springs, and force on the floor, against time.
 
     Parameters
     ----------
-    axes : Axes
-    quantity : DataArray
-        With dims engine and time, in its SI unit.
-    units : tuple of (float, str)
-        Factors and names of units that the axis may have.
-    what : str
-        Label of the axis, without the unit.
+    dataset : Dataset
+        Of a ``Response`` result of a mechanism with a frame on springs: ``frame_displacement``
+        (engine, time, component) in m, ``frame_rotation`` in rad and ``floor_force`` in N.
+    ax : Axes or sequence of Axes, optional
+        The user's, five of them. Left out: a new figure is made.
 
     Returns
     -------
-    float
-        Factor from the SI unit to that of the axis.
+    Figure
     """
-    factor, unit = reading.fitting_unit(quantity.values, units)
-    lines = factor * reading.values_of(quantity, "engine", "time")
-    scales.zero_line(axes)
-    time, room = quantity["time"].values, _room(axes)
-    for number, line in enumerate(lines):
-        if _turning_points(line) > room * MOST_TURNING_POINTS:
-            _draw_envelope(axes, *_envelope(time, line), number)
-            continue
-        width, opacity = _line_look(line, room)
-        # What lies under a line must be seen between its dashes and beside them.
-        wider = 1.4 if number < len(lines) - 1 and opacity == 1.0 else 1.0
-        look = series_line(number)
-        axes.plot(time, line, **look, lw=wider * width, alpha=opacity)
-    scales.plain_numbers(axes)
-    axes.set_ylabel(f"{what} ({unit})")
-    return factor
+    picture = frame_picture(dataset)
+    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax)
 
 
-def _room(axes: Axes) -> float:
-    """Width of a panel over that of one that has a row for itself, at most 1."""
-    return min(1.0, axes.get_position(original=True).width / ALONE)
-
-
-def _turning_points(line: FloatArray) -> int:
-    """How often a line turns from rising to falling or back, but for ripples."""
-    turns = line[np.flatnonzero(np.diff(np.sign(np.diff(line)))) + 1]
-    return int(np.count_nonzero(np.abs(np.diff(turns)) > RIPPLE * np.ptp(line)))
-
-
-def _envelope(time: FloatArray, line: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Times, and the least and greatest value of a line about each of them."""
-    starts = np.linspace(0, line.size, STRETCHES, endpoint=False).astype(int)
-    low, high = (one.reduceat(line, starts) for one in (np.minimum, np.maximum))
-    middle = (starts + np.append(starts[1:], line.size) - 1) // 2
-    # From the first to the last sample.
-    return np.r_[time[0], time[middle[1:-1]], time[-1]], low, high
-
-
-def _draw_envelope(
-    axes: Axes, time: FloatArray, low: FloatArray, high: FloatArray, number: int
-) -> None:
-    """Envelope of an engine: two lines, and filled between them for the first one."""
-    look = series_line(number) | {"lw": LINE_WIDTHS[1][1]}
-    if number == 0:
-        axes.fill_between(time, low, high, color=look["color"], **ENVELOPE)
-    for edge in (low, high):
-        axes.plot(time, edge, **look)
-
-
-def _envelope_handles(axes: Axes, quantities: Iterable[xr.DataArray]) -> list[Artist]:
-    """Legend entry of envelopes, where one of the quantities with dim engine is drawn by one."""
-    lines = (line for one in quantities for line in reading.values_of(one, "engine", "time"))
-    most = _room(axes) * MOST_TURNING_POINTS
-    if all(_turning_points(line) <= most for line in lines):
-        return []
-    return [Patch(color="0.35", label="envelope of the vibration", **ENVELOPE)]
-
-
-def _line_look(line: FloatArray, room: float) -> tuple[float, float]:
-    """Width and opacity of a line, by how often it turns and the room for it."""
-    turning_points = _turning_points(line)
-    width = next(width for most, width in LINE_WIDTHS if turning_points <= room * most)
-    return width, VEIL if turning_points > max(MOST_TURNING * line.size, LEAST_VEILED) else 1.0
+def frame_picture(dataset: xr.Dataset) -> Picture:
+    """Motion of a frame on springs and force on the floor, as of plot_frame_motion."""
+    along = [(one, dataset.sel(component=one)) for one in reading.names_of(dataset, "component")]
+    shown = [
+        (f"Frame\nalong {one}", own["frame_displacement"], reading.LENGTH_UNITS)
+        for one, own in along
+    ]
+    shown.append(("Frame\nrotation", dataset["frame_rotation"], ROTATION_UNITS))
+    shown += [
+        (f"Force on the\nfloor along {one}", own["floor_force"], reading.FORCE_UNITS)
+        for one, own in along
+    ]
+    title = f"Frame on springs\n{reading.run_title(dataset)}"
+    return over_time(dataset, engine_panes(dataset, shown), title)

@@ -19,6 +19,9 @@ from flexmech.units import from_si
 DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0, 360.0)
 """Distances of ticks at round angles."""
 
+PHASES, PHASE_TICKS = (-190.0, 190.0), (-180.0, -90.0, 0.0, 90.0, 180.0)
+"""Ends and ticks of an axis of phases in degrees."""
+
 FREQUENCY_BAND = 4e-3
 """Narrowest axis of frequencies as a part of them, four times the error by the mesh that is
 allowed: below it one would look at that."""
@@ -106,24 +109,28 @@ def plain_numbers(axes: Axes) -> None:
     )
 
 
-def scale_y(axes: Axes, values: ArrayLike, *, least: float = 1e-9, least_part: float = 0.0) -> None:
-    """Fit the y axis to values, in plain numbers, and never so closely that one sees round-off.
+def limits_around(
+    values: ArrayLike, *, least: float = 1e-9, least_part: float = 0.0
+) -> tuple[float, float]:
+    """Limits of a y axis around values, never so near that one sees round-off.
 
     Parameters
     ----------
-    axes : Axes
     values : array_like
         All that the axis shall hold; not a number is left out.
     least : float
         Least span of the axis.
     least_part : float
         Least span as a part of the mean of the greatest and the least value.
+
+    Returns
+    -------
+    float, float
     """
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     middle = (low + high) / 2
     half = HALF_AXIS * max(high - low, least_part * abs(middle), least)
-    axes.set_ylim(middle - half, middle + half)
-    plain_numbers(axes)
+    return middle - half, middle + half
 
 
 def log_scale(axes: Axes, low: float, high: float, *, plain: bool = False) -> None:
@@ -192,8 +199,8 @@ def log_limits(values: ArrayLike, decades: float) -> tuple[float, float]:
 
 def phase_axis(axes: Axes) -> None:
     """Scale the y axis to phases in degrees, from half a turn below zero to half a turn above."""
-    axes.set_ylim(-190.0, 190.0)
-    axes.set_yticks([-180.0, -90.0, 0.0, 90.0, 180.0])
+    axes.set_ylim(*PHASES)
+    axes.set_yticks(PHASE_TICKS)
 
 
 def phase_of(values: ComplexArray) -> FloatArray:

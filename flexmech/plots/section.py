@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 import matplotlib as mpl
@@ -16,7 +16,9 @@ from matplotlib.ticker import MaxNLocator
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
+from flexmech.plots.drawing import draw
 from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.picture import Curve, Pane, Picture, Span
 from flexmech.plots.reading import names_of, spread, values_of
 from flexmech.plots.style import LABEL_POINTS, TIMES, Look, line_handle, series_handle, series_line
 from flexmech.units import ZERO_CELSIUS, from_si
@@ -305,27 +307,36 @@ def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Figure
         One row a link: profiles on the left, uptake on the right.
     """
-    links, end = names_of(dataset, "link"), float(dataset["time"].max())
-    unit = next((name for name in TIME_UNITS if from_si(end, name) >= 1), "second")
+    unit = _time_unit(dataset)
     attrs = dataset.attrs
     title = (
         f"Moisture at {100 * attrs['relative_humidity']:.4g} % relative humidity, "
         f"{attrs['temperature'] - ZERO_CELSIUS:.4g} °C"
     )
+    links = names_of(dataset, "link")
+    panes = [make(dataset, link) for link in links for make in (profile_pane, uptake_pane)]
+    if not style.is_narrow():
+        # The axes of a column are labelled below the last of them.
+        panes = [replace(pane, along="") for pane in panes[:-2]] + panes[-2:]
     row = NARROW_ROW_HEIGHT if style.is_narrow() else ROW_HEIGHT
-    layout = grid(len(links), 2, row * len(links) + 0.5, sharex="col")
-    with sheet(layout, ax=ax) as drawn:
-        drawn.header(_moisture_handles(dataset, unit), title, of=dataset)
-        drawn.label_x("Distance from the middle (mm)", slice(0, None, 2))
-        drawn.label_x(rf"Root of time ($\sqrt{{\mathrm{{{unit}}}}}$)", slice(1, None, 2))
-        for link, profile, uptake in zip(links, drawn.panels[::2], drawn.panels[1::2], strict=True):
-            of_link = dataset.sel(link=link)
-            _draw_profiles(profile, of_link)
-            _draw_uptake(uptake, of_link, unit)
-            what = "mean over the width" if of_link["over_width"] else "through the thickness"
-            profile.set_title(f"{link.capitalize()}: {what}")
-            uptake.set_title(f"{link.capitalize()}: uptake")
-    return drawn.figure
+    return draw(
+        Picture(panes, "", dataset, title),
+        grid(len(links), 2, row * len(links) + 0.5, sharex="col"),
+        ax=ax,
+        legend=_moisture_handles(dataset, unit),
+    )
+
+
+def _time_unit(dataset: xr.Dataset) -> str:
+    end = float(dataset["time"].max())
+    return next((name for name in TIME_UNITS if from_si(end, name) >= 1), "second")
+
+
+def _after(dataset: xr.Dataset) -> list[str]:
+    """Times of the profiles in words."""
+    unit = _time_unit(dataset)
+    times = from_si(1.0, unit) * dataset["profile_time"].values
+    return [f"{time:.0f} {unit[0]}" if time >= 1000 else f"{time:.3g} {unit[0]}" for time in times]
 
 
 def _colours(dataset: xr.Dataset) -> list[tuple[float, float, float, float]]:
@@ -335,28 +346,48 @@ def _colours(dataset: xr.Dataset) -> list[tuple[float, float, float, float]]:
 
 
 def _moisture_handles(dataset: xr.Dataset, unit: str) -> list[Artist]:
-    handles = []
-    times = dataset["profile_time"].values * from_si(1.0, unit)
-    for time, colour in zip(times, _colours(dataset), strict=True):
-        number = f"{time:.0f}" if time >= 1000 else f"{time:.3g}"
-        handles.append(line_handle(f"{number} {unit[0]}", color=colour))
+    handles = [
+        line_handle(words, color=colour)
+        for words, colour in zip(_after(dataset), _colours(dataset), strict=True)
+    ]
     handles.append(line_handle("finite volumes", color="black"))
     laws = {n: label for n, (name, label) in LAWS.items() if dataset[name].count()}
     return [*handles, *(series_handle(number, label) for number, label in laws.items())]
 
 
-def _draw_profiles(axes: Axes, link: xr.Dataset) -> None:
-    profiles = link["profile"].transpose("profile_time", "cell").values
-    for colour, profile in zip(_colours(link), profiles, strict=True):
-        axes.plot(1e3 * link["place"].values, 100 * profile, color=colour)
-    axes.set(ylabel="Moisture of the resin (%)", xmargin=0.0)
-    axes.set_ylim(bottom=0.0)
+def profile_pane(dataset: xr.Dataset, link: str) -> Pane:
+    """Moisture of a link's resin through its thickness after each of the times."""
+    own = dataset.sel(link=link)
+    known = np.isfinite(own["place"].values)
+    place, profiles = 1e3 * own["place"].values[known], own["profile"].transpose(..., "cell")
+    curves = [
+        Curve(place, 100 * profile[known], {"color": colour}, words)
+        for profile, colour, words in zip(
+            profiles.values, _colours(dataset), _after(dataset), strict=True
+        )
+    ]
+    what = "mean over the width" if own["over_width"] else "through the thickness"
+    return Pane(
+        "Moisture of the resin (%)",
+        curves,
+        title=f"{link.capitalize()}: {what}",
+        limits=(0.0, 1.05 * max(float(np.nanmax(one.y)) for one in curves)),
+        along="Distance from the middle (mm)",
+    )
 
 
-def _draw_uptake(axes: Axes, link: xr.Dataset, unit: str) -> None:
-    root = np.sqrt(link["time"].values * from_si(1.0, unit))
-    axes.axhline(1.0, color=style.MID_GREY, lw=0.6, zorder=1)
-    axes.plot(root, link["uptake"].values, color="black")
-    for number, (name, _) in LAWS.items():
-        axes.plot(root, link[name].values, **series_line(number))
-    axes.set(ylabel="Share of equilibrium", ylim=(0.0, 1.08), xmargin=0.02)
+def uptake_pane(dataset: xr.Dataset, link: str) -> Pane:
+    """Uptake of a link over that in the end, against the root of time."""
+    own, unit = dataset.sel(link=link), _time_unit(dataset)
+    root = np.sqrt(own["time"].values * from_si(1.0, unit))
+    curves = [Curve(root, own["uptake"].values, {"color": "black"}, "finite volumes")]
+    for number, (name, words) in LAWS.items():
+        curves.append(Curve(root, own[name].values, series_line(number), words))
+    return Pane(
+        "Share of equilibrium",
+        curves,
+        title=f"{link.capitalize()}: uptake",
+        spans=(Span(1.0, 1.0, {"color": style.MID_GREY, "lw": 0.6, "zorder": 1}),),
+        limits=(0.0, 1.08),
+        along=f"Root of time (√{unit})",
+    )

@@ -1,8 +1,9 @@
-"""What a mechanism exerts on its frame: shaking force and moment, and their harmonics."""
+"""What a mechanism exerts on its frame: shaking force, moment and harmonics, and its balance."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -12,16 +13,21 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
-from flexmech.arrays import FloatArray
-from flexmech.plots import angle_panels, motion, reading, scales, style
+from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.plots import motion, reading, scales, style
+from flexmech.plots.drawing import draw
 from flexmech.plots.kinematics import MAGNITUDE
-from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.response import RIGID, draw_engines, engine_lines
+from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, over_angles, series
+from flexmech.plots.response import elastic_and_rigid, over_time
 
 # Of two panels above each other, and of two beside each other, in inches.
 _STACKED, _BESIDE = 3.9, 2.3
 # Of all bars of an order together, in orders.
 _BARS = 0.8
+# Of two rows of two panels in inches: four of them fit a page in one column.
+_HEIGHT = 4.0
+_ELASTIC: style.Look = {"alpha": 0.45, "lw": 0.9, "zorder": 1.5}
 _SHADE = "0.45"
 _MM = 1e3
 
@@ -42,30 +48,24 @@ def plot_shaking_force(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     -------
     Figure
     """
+    return draw(shaking_picture(dataset), grid(2, 1, _STACKED, sharex=True), ax=ax)
+
+
+def shaking_picture(dataset: xr.Dataset) -> Picture:
+    """Shaking force and moment of the rigid linkage, as of plot_shaking_force."""
     over, (dataset, angles) = dataset, motion.positions(dataset)
-    components = reading.names_of(dataset, "component")
-    with sheet(grid(2, 1, _STACKED, sharex=True), ax=ax) as drawn:
-        handles = style.series_handles(f"along {name}" for name in components)
-        handles.append(style.line_handle("magnitude", **MAGNITUDE))
-        title = f"Shaking force and moment {reading.conditions(dataset)}"
-        drawn.header(handles, title, of=dataset)
-        of_force, of_moment = drawn.panels
-        force = reading.values_of(dataset["shaking_force"], "crank_angle", "component")
-        factor, unit = reading.fitting_unit(force, reading.FORCE_UNITS)
-        scales.zero_line(of_force)
-        of_force.plot(angles, factor * np.linalg.norm(force, axis=-1), **MAGNITUDE, zorder=1.5)
-        for number in range(len(components)):
-            angle_panels.draw_line(of_force, angles, factor * force[:, number], number)
-        of_force.set_ylabel(f"Force ({unit})")
-        moment = dataset["shaking_moment"].values
-        factor, unit = reading.fitting_unit(moment, reading.TORQUE_UNITS)
-        scales.zero_line(of_moment)
-        angle_panels.draw_line(of_moment, angles, factor * moment, 0)
-        of_moment.set_ylabel(f"Moment about\n{moment_point(dataset)} ({unit})")
-        for axes in drawn.panels:
-            scales.plain_numbers(axes)
-        motion.label_positions(drawn, over)
-    return drawn.figure
+    force = reading.values_of(dataset["shaking_force"], "component", "crank_angle")
+    names = [f"along {name}" for name in reading.names_of(dataset, "component")]
+    curves = series(angles, force, names)
+    curves.append(Curve(angles, np.linalg.norm(force, axis=0), MAGNITUDE, "magnitude"))
+    about = f"Moment about\n{moment_point(dataset)}"
+    moment = Curve(angles, dataset["shaking_moment"].values, style.series_line(0, angles))
+    panes = (
+        Pane("Force", curves, reading.FORCE_UNITS, spans=(ZERO,)),
+        Pane(about, (moment,), reading.TORQUE_UNITS, spans=(ZERO,)),
+    )
+    title = f"Shaking force and moment {reading.conditions(over)}"
+    return motion.over_positions(over, panes, title)
 
 
 def plot_running_shaking_force(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -84,27 +84,16 @@ def plot_running_shaking_force(dataset: xr.Dataset, *, ax: AxesLike | None = Non
     -------
     Figure
     """
-    names = [("shaking_force", one) for one in reading.names_of(dataset, "component")]
-    with sheet(scales.time_layout(len(names) + 1), ax=ax) as drawn:
-        handles = [*engine_lines(dataset), style.line_handle("rigid links", **RIGID)]
-        title = f"Shaking force and moment\n{reading.run_title(dataset)}"
-        drawn.header(handles, title, of=dataset)
-        scales.label_times(drawn, dataset)
-        for axes, (name, component) in zip(drawn.panels, names, strict=False):
-            one = dataset.sel(component=component)
-            forces = one[name], one[f"rigid_{name}"]
-            _draw_history(axes, *forces, reading.FORCE_UNITS, f"Force along {component}")
-        what = f"Moment about\n{moment_point(dataset)}"
-        moments = dataset["shaking_moment"], dataset["rigid_shaking_moment"]
-        _draw_history(drawn.panels[-1], *moments, reading.TORQUE_UNITS, what)
-    return drawn.figure
-
-
-def _draw_history(
-    axes: Axes, elastic: xr.DataArray, rigid: xr.DataArray, units: reading.Units, what: str
-) -> None:
-    factor = draw_engines(axes, elastic, units, what)
-    axes.plot(rigid["time"].values, factor * rigid.values, **RIGID, zorder=3)
+    panes = []
+    for one in reading.names_of(dataset, "component"):
+        along = dataset.sel(component=one)
+        forces = elastic_and_rigid(dataset, along["shaking_force"], along["rigid_shaking_force"])
+        panes.append(Pane(f"Force along {one}", forces, reading.FORCE_UNITS, spans=(ZERO,)))
+    moments = dataset["shaking_moment"], dataset["rigid_shaking_moment"]
+    about, curves = moment_point(dataset), elastic_and_rigid(dataset, *moments)
+    panes.append(Pane(f"Moment about\n{about}", curves, reading.TORQUE_UNITS, spans=(ZERO,)))
+    title = f"Shaking force and moment\n{reading.run_title(dataset)}"
+    return draw(over_time(dataset, panes, title), scales.time_layout(len(panes)), ax=ax)
 
 
 def plot_shaking_orders(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -186,3 +175,73 @@ def moment_point(dataset: xr.Dataset) -> str:
     """The point about which moments are taken, with its coordinates in mm."""
     x, y = (f"{_MM * place + 0.0:.4g}" for place in dataset["moment_point"].values.tolist())
     return f"({x}, {y}) mm"
+
+
+def plot_balance(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the shaking force's end point, its size, the shaking moment and the driving torque.
+
+    Of elastic links the size is drawn too, in paler lines.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With ``shaking_force`` (state, crank_angle, component) in N, ``shaking_moment`` and
+        ``driving_torque`` (state, crank_angle) in N m, ``moment_point`` (component) in m; where
+        there are elastic links ``elastic_shaking_force`` (state, elastic_angle, component). The
+        attributes ``crank_speed`` and ``mechanism``.
+    ax : sequence of Axes, optional
+        Four of the user's. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    picture = balance_picture(dataset)
+    force = reading.values_of(dataset["shaking_force"], "state", "crank_angle", "component")
+    factor, unit = reading.fitting_unit(force, reading.FORCE_UNITS)
+
+    def draw_plane(drawn: Sheet) -> None:
+        """The path of the force's end point, which is not over the crank angle."""
+        plane = drawn.panels[0]
+        plane.set_aspect("equal", adjustable="datalim")
+        for line in (plane.axhline, plane.axvline):
+            line(0.0, **ZERO.look)
+        for number, path in enumerate(factor * force):
+            plane.plot(path[:, 0], path[:, 1], **style.series_line(number))
+        if np.abs(force[-1]).max() < SAME_PLACE * np.abs(force).max():
+            # A balanced force is a point.
+            plane.plot(0.0, 0.0, "o", ms=3.0, color=style.series_style(1).color)
+        plane.set(xlabel=f"Shaking force along x ({unit})", ylabel=f"Along y ({unit})")
+        scales.plain_numbers(plane)
+
+    return draw(picture, grid(2, 2, _HEIGHT), ax=ax, by_hand=1, finish=draw_plane)
+
+
+def balance_picture(dataset: xr.Dataset) -> Picture:
+    """Size of the shaking force, shaking moment and driving torque, as of plot_balance."""
+    angles = reading.degrees(dataset["crank_angle"])
+    states = style.distinct_names(reading.names_of(dataset, "state"))
+    force = np.linalg.norm(
+        reading.values_of(dataset["shaking_force"], "state", "crank_angle", "component"), axis=-1
+    )
+    sizes = series(angles, force, states)
+    if "elastic_shaking_force" in dataset:
+        turned = np.degrees(dataset["elastic_angle"].values)
+        running = dataset["elastic_shaking_force"]
+        of_elastic = np.linalg.norm(
+            reading.values_of(running, "state", "elastic_angle", "component"), axis=-1
+        )
+        sizes += [
+            replace(one, name=f"{one.name}, elastic links", look=one.look | _ELASTIC)
+            for one in series(turned, of_elastic, states)
+        ]
+    panes = [Pane("Shaking force", sizes, reading.FORCE_UNITS, spans=(ZERO,))]
+    for name, what in (
+        ("shaking_moment", f"Shaking moment about\n{moment_point(dataset)}"),
+        ("driving_torque", "Driving torque"),
+    ):
+        values = reading.values_of(dataset[name], "state", "crank_angle")
+        curves = series(angles, values, states)
+        panes.append(Pane(what, curves, reading.TORQUE_UNITS, spans=(ZERO,)))
+    title = f"Balance at {reading.drive_text(dataset)}"
+    return over_angles(angles, panes, dataset, title)

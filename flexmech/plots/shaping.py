@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import reading, scales
-from flexmech.plots.layout import AxesLike, sheet, tiles
-from flexmech.plots.style import MID_GREY, POINT_SIZE, Look, line_handle, series_style
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike, tiles
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span
+from flexmech.plots.style import MID_GREY, POINT_SIZE, Look, series_style
 
 PLAIN: Look = {"color": MID_GREY, "lw": 1.1}
 SHAPED: Look = {"color": series_style(0).color, "lw": 1.1}
 _LOOKS = {"plain": PLAIN, "shaped": SHAPED | {"ls": series_style(1).linestyle}}
-_OWN: Look = {"color": "0.15", "lw": 0.8, "ls": ":"}
+_OWN: Look = {"color": "0.15", "lw": 0.8, "ls": ":", "zorder": 0.5}
 # Decades below the greatest amplitude that are drawn; a mode below a hundredth of it is not drawn.
 _DECADES, _SEEN = 4.0, 0.01
 
@@ -41,31 +44,26 @@ def plot_shaped(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     links, first = reading.bending_links(dataset), dataset.isel(engine=0)
     shaper = str(dataset.attrs["shaper"])
     looks = (("", PLAIN, "run_up_time"), ("shaped_", SHAPED, "shaped_until"))
-    with sheet(scales.time_layout(1 + len(links)), ax=ax) as drawn:
-        handles = [line_handle("plain law", **PLAIN), line_handle(shaper, **SHAPED)]
-        handles.append(line_handle("end of the law", **(PLAIN | {"ls": ":"})))
-        title = f"Plain and shaped law, {reading.engine_label(dataset)}"
-        drawn.header(handles, f"{title}\n{reading.conditions(dataset)}", of=dataset)
-        names = ["crank_speed_over_time", *["deflection"] * len(links)]
-        for number, (axes, name) in enumerate(zip(drawn.panels, names, strict=True)):
-            scales.zero_line(axes)
-            link = links[number - 1]
-            parts = [first[f"{prefix}{name}"] for prefix, *_ in looks]
-            units = reading.LENGTH_UNITS if number else reading.crank_speed_units(dataset)
-            if number:
-                parts = [part.sel(link=link) for part in parts]
-            both = np.concatenate([part.values for part in parts])
-            factor, unit = reading.fitting_unit(both, units)
-            for part, (prefix, look, until) in zip(parts, looks, strict=True):
-                time = dataset[f"{prefix}time"].values
-                axes.plot(time, factor * part.values, **look)
-                axes.axvline(float(dataset.attrs[until]), **(look | {"ls": ":"}), zorder=0.5)
-            scales.plain_numbers(axes)
-            what = f"{reading.link_label(dataset, link)}\ndeflection" if number else "Crank\nspeed"
-            axes.set_ylabel(f"{what} ({unit})")
-            axes.set_xlim(0.0, float(dataset["shaped_time"][-1]))
-        drawn.label_x("Time (s)")
-    return drawn.figure
+    spans, ends = [ZERO], np.array([0.0, float(dataset["shaped_time"][-1])])
+    for _, look, until in looks:
+        at, dots = float(dataset.attrs[until]), look | {"ls": ":", "zorder": 0.5}
+        spans.append(Span(at, at, dots, "end of the law", upright=True))
+
+    def pane(words: str, name: str, units: reading.Units, **place: str) -> Pane:
+        curves = [
+            Curve(dataset[f"{prefix}time"].values, first[f"{prefix}{name}"].sel(place).values, look)
+            for prefix, look, _ in looks
+        ]
+        named = [replace(one, name=n) for one, n in zip(curves, ("plain law", shaper), strict=True)]
+        return Pane(words, named, units, spans=spans)
+
+    panes = [pane("Crank\nspeed", "crank_speed_over_time", reading.crank_speed_units(dataset))]
+    for link in links:
+        words = f"{reading.link_label(dataset, link)}\ndeflection"
+        panes.append(pane(words, "deflection", reading.LENGTH_UNITS, link=link))
+    title = f"Plain and shaped law, {reading.engine_label(dataset)}\n{reading.conditions(dataset)}"
+    picture = Picture(panes, "Time (s)", dataset, title, places=ends)
+    return draw(picture, scales.time_layout(len(panes)), ax=ax)
 
 
 def plot_move_times(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -90,42 +88,56 @@ def plot_move_times(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     -------
     Figure
     """
-    found, whole = dataset["move_amplitude"], dataset["whole_move_time"]
-    greatest = float(found.max()) or 1.0
-    modes = [
-        int(mode)
-        for mode in found["mode"].values
-        if float(found.sel(mode=mode).max()) >= _SEEN * greatest
-    ] or [int(found["mode"].values[0])]
-    names = [str(name) for name in found["law"].values]
-    simulated = dataset.get("simulated_move_amplitude")
-    with sheet(tiles(len(modes), 2, 2.1, extra=0.5), ax=ax) as drawn:
-        drawn.header(_handles(dataset, names), _title(dataset), of=dataset)
-        for axes, mode in zip(drawn.panels, modes, strict=True):
-            own = found.sel(mode=mode)
-            peaks = own.max(("law", "move_time")).values
-            link = str(own["link"].values[int(np.argmax(peaks))])
-            factor, unit = reading.fitting_unit(np.array([greatest]), reading.LENGTH_UNITS)
-            for name in names:
-                place, line = move_line(dataset, name, mode, link)
-                look = _LOOKS[name] if place.size > whole.sizes["move_time"] else _dots(name)
-                axes.plot(place, factor * line, **look)
-                if simulated is None:
-                    continue
-                at = whole.sel(law=name, move_time=simulated["simulated_move_time"].values)
-                points = simulated.sel(mode=mode, link=link, law=name)
-                rows = reading.values_of(points, "simulating_engine", "simulated_move_time")
-                for number, one in enumerate(rows):
-                    axes.plot(at.values, factor * one, **_points(name, number))
-            values = factor * found.sel(link=link, mode=mode).values
-            low, high = scales.log_limits(values[values > 0] if values.any() else [1.0], _DECADES)
-            scales.log_scale(axes, low / 1.5, high)
-            axes.axvline(float(dataset.attrs["own_move_time"]), **_OWN, zorder=0.5)
-            frequency = float(dataset["move_frequency"].sel(mode=mode))
-            axes.set_title(f"Mode {mode}, {frequency:.4g} Hz")
-            axes.set_ylabel(f"{reading.link_label(dataset, link)} ({unit})")
-        drawn.label_x("Time until the stop (s)")
-    return drawn.figure
+    picture = move_picture(dataset)
+    return draw(picture, tiles(len(picture.panes), 2, 2.1, extra=0.5), ax=ax)
+
+
+def move_picture(dataset: xr.Dataset) -> Picture:
+    """Amplitude of each mode after the stop over the time until it, as of plot_move_times."""
+    found, greatest = dataset["move_amplitude"], float(dataset["move_amplitude"].max()) or 1.0
+    seen = found.max([d for d in found.dims if d != "mode"]).values >= _SEEN * greatest
+    modes = found["mode"].values[seen if seen.any() else slice(0, 1)].tolist()
+    factor, unit = reading.fitting_unit(np.array([greatest]), reading.LENGTH_UNITS)
+    end, panes = float(dataset.attrs["own_move_time"]), []
+    for mode in modes:
+        own = found.sel(mode=mode)
+        link = str(own["link"].values[int(np.argmax(own.max(("law", "move_time")).values))])
+        curves = [
+            replace(one, y=factor * one.y)
+            for law in reading.names_of(dataset, "law")
+            for one in _of_law(dataset, law, mode, link)
+        ]
+        values = factor * own.sel(link=link).values
+        low, high = scales.log_limits(values[values > 0] if values.any() else [1.0], _DECADES)
+        panes.append(
+            Pane(
+                f"{reading.link_label(dataset, link)}\nmode {mode} ({unit})",
+                curves,
+                title=f"Mode {mode}, {float(dataset['move_frequency'].sel(mode=mode)):.4g} Hz",
+                spans=(Span(end, end, _OWN, "time of the model file", upright=True),),
+                limits=(low / 1.5, high),
+                scale="log",
+            )
+        )
+    title = f"Amplitude of each mode after the stop\n{reading.conditions(dataset)}"
+    along = "Time until the stop (s)"
+    return Picture(panes, along, dataset, title)
+
+
+def _of_law(dataset: xr.Dataset, law: str, mode: int, link: str) -> list[Curve]:
+    """A mode in a link under one law by the equations, and by the engines that simulated it."""
+    place, line = move_line(dataset, law, mode, link)
+    resolved = place.size > dataset.sizes["move_time"]
+    name = str(dataset.attrs.get("shaper", "")) if law == "shaped" else "plain law"
+    curves = [Curve(place, line, _LOOKS[law] if resolved else _dots(law), name)]
+    if "simulated_move_amplitude" in dataset:
+        points = dataset["simulated_move_amplitude"].sel(mode=mode, link=link, law=law)
+        times = points["simulated_move_time"].values
+        at = dataset["whole_move_time"].sel(law=law, move_time=times).values
+        for number, engine in enumerate(reading.names_of(dataset, "simulating_engine")):
+            simulated = points.isel(simulating_engine=number).values
+            curves.append(Curve(at, simulated, _points(law, number), engine))
+    return curves
 
 
 def move_line(
@@ -171,19 +183,5 @@ def _points(law: str, engine: int) -> Look:
         "markersize": POINT_SIZE + 1,
         "mfc": "none",
         "mec": _LOOKS[law]["color"],
+        "color": _LOOKS[law]["color"],
     }
-
-
-def _handles(dataset: xr.Dataset, names: list[str]) -> list[Artist]:
-    labels = {"plain": "plain law", "shaped": str(dataset.attrs.get("shaper", ""))}
-    handles = [line_handle(labels[name], **_LOOKS[name]) for name in names]
-    if "simulating_engine" in dataset.coords:
-        handles += [
-            line_handle(str(name), **(_points("plain", number) | {"mec": "0.15"}))
-            for number, name in enumerate(dataset["simulating_engine"].values)
-        ]
-    return [*handles, line_handle("time of the model file", **_OWN)]
-
-
-def _title(dataset: xr.Dataset) -> str:
-    return f"Amplitude of each mode after the stop\n{reading.conditions(dataset)}"

@@ -8,13 +8,13 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import reading, scales, style
-from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.response import engine_lines
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike, Layout, Sheet, grid, sheet
+from flexmech.plots.picture import Curve, Pane, Picture, Span
 from flexmech.plots.style import Look, line_handle, series_line, series_style
 
 ONE_LINK = "choose one link (links=...)"
@@ -25,8 +25,8 @@ REACH = 1.3
 DECADES = 5.0
 # Room above the peak for the bands' labels, as a part of the logarithmic scale.
 HEADROOM = 0.14
-BAND_COLOR = "#F5E6BE"
-BAND_EDGE = "#DDB450"
+# The edge keeps a frequency that hardly moves visible.
+BAND: Look = {"facecolor": "#F5E6BE", "edgecolor": "#DDB450", "lw": 0.5, "zorder": 0}
 ORDER_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
 # Orders with numbers, half as many on a narrow page, and orders with ticks: more would touch.
 MOST_ORDERS, MOST_ORDER_LINES = 16, 100
@@ -64,33 +64,32 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    bands, links = _bands(dataset), reading.bending_links(dataset)
-    highest = max((high for _, high in bands.values()), default=np.inf)
-    limit = min(float(dataset["spectrum_frequency"].max()), REACH * highest)
-    within = dataset.sel(spectrum_frequency=slice(0.0, limit))
-    with sheet(_layout(len(links), 1.5, 2.2), ax=ax, fewer=ONE_LINK) as drawn:
-        turns = int(dataset.attrs.get("spectrum_turns", 0))
-        handles = engine_lines(dataset)
-        if turns:
-            for number, handle in enumerate(handles):
-                of_engine = f"{handle.get_label()}, at orders"
-                handles[number] = line_handle(of_engine, **_stem_mark(number))
-        if bands:
-            handles.append(Patch(color=BAND_COLOR, lw=0, label="predicted natural frequencies"))
-        drawn.header(handles, reading.run_title(dataset), of=dataset)
-        for axes, link in zip(drawn.panels, links, strict=True):
-            axes.set_xlim(0.0, limit)
-            for band in bands.values():
-                # The edge line keeps a frequency that hardly moves visible.
-                axes.axvspan(*band, fc=BAND_COLOR, ec=BAND_EDGE, lw=0.5, zorder=0)
-            unit = _draw_spectra(axes, within["spectrum"].sel(link=link), turns)
-            axes.set_ylabel(f"{reading.link_label(dataset, link)}\namplitude ({unit})")
+    picture, bands = spectrum_picture(dataset), _bands(dataset)
+
+    def finish(drawn: Sheet) -> None:
         _label_bands(drawn.panels[0], bands)
         # A law of motion has no orders.
         if "drive" not in dataset.attrs:
-            _order_axis(drawn.panels, abs(float(dataset.attrs["crank_speed"])) / (2 * np.pi), limit)
-        drawn.label_x("Frequency (Hz)")
-    return drawn.figure
+            turning = abs(float(dataset.attrs["crank_speed"])) / (2 * np.pi)
+            _order_axis(drawn.panels, turning, float(picture.places[-1]))
+
+    layout = _layout(len(picture.panes), 1.5, 2.2)
+    return draw(picture, layout, ax=ax, fewer=ONE_LINK, finish=finish)
+
+
+def spectrum_picture(dataset: xr.Dataset) -> Picture:
+    """Spectra of deflections over the bands of natural frequencies, as of plot_spectrum."""
+    bands = _bands(dataset).values()
+    highest = max((high for _, high in bands), default=np.inf)
+    limit = min(float(dataset["spectrum_frequency"].max()), REACH * highest)
+    within = dataset.sel(spectrum_frequency=slice(0.0, limit))
+    spans = tuple(
+        Span(*band, BAND, "predicted natural frequencies", upright=True) for band in bands
+    )
+    panes = [_pane(within, link, spans) for link in reading.bending_links(dataset)]
+    ends = np.array([0.0, limit])
+    title = reading.run_title(dataset)
+    return Picture(panes, "Frequency (Hz)", dataset, title, places=ends)
 
 
 def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -223,58 +222,60 @@ def _label_bands(axes: Axes, bands: dict[int, tuple[float, float]]) -> None:
         axes.text(place, 0.985, f"$f_{{{mode}}}$", transform=axes.transAxes, **look)
 
 
-def _draw_spectra(axes: Axes, spectrum: xr.DataArray, turns: int) -> str:
-    """Spectra of the engines on a logarithmic axis; the unit of its numbers.
-
-    Parameters
-    ----------
-    axes : Axes
-    spectrum : DataArray
-        With dims engine and spectrum_frequency, in m.
-    turns : int
-        Of a periodic motion, whose orders stand so many frequencies apart; else 0.
-
-    Returns
-    -------
-    str
-    """
+def _pane(dataset: xr.Dataset, link: str, spans: tuple[Span, ...]) -> Pane:
+    """Spectra of one link's deflection by all engines, on a logarithmic axis."""
+    # Of a periodic motion the orders stand so many frequencies apart.
+    turns = int(dataset.attrs.get("spectrum_turns", 0))
+    spectrum = dataset["spectrum"].sel(link=link)
     amplitude = reading.values_of(spectrum, "engine", "spectrum_frequency")
     frequency = spectrum["spectrum_frequency"].values
-    factor, unit = reading.fitting_unit(amplitude, reading.LENGTH_UNITS)
-    highest = factor * float(np.nanmax(amplitude, initial=0.0)) or 1.0
+    highest = float(np.nanmax(amplitude, initial=0.0)) or 1.0
     # Of stems the first is order 1, and what is between them does not count for the axis.
-    amplitude, frequency = factor * amplitude[:, turns:], frequency[turns:]
+    amplitude, frequency = amplitude[:, turns:], frequency[turns:]
     least = np.nanmin(amplitude[:, :: turns or 1], initial=highest)
     lowest = float(np.clip(least, highest * 10.0**-DECADES, 0.1 * highest))
-    scales.log_scale(axes, lowest, highest * (highest / lowest) ** HEADROOM)
-    width = 1.1 if amplitude.shape[1] < 150 else 0.8
+    width, curves = 1.1 if amplitude.shape[1] < 150 else 0.8, list[Curve]()
     for number, values in enumerate(amplitude):
+        name = reading.engine_label(dataset, number)
         if turns:
-            _draw_stems(axes, frequency, values, turns, number)
+            curves += _stems(frequency, values, turns, number, lowest, name)
         else:
             wider = 1.4 if number < len(amplitude) - 1 else 1.0
-            axes.plot(frequency, values, **series_line(number), lw=wider * width)
-    return unit
+            curves.append(
+                Curve(frequency, values, series_line(number) | {"lw": wider * width}, name)
+            )
+    return Pane(
+        f"{reading.link_label(dataset, link)}\namplitude",
+        curves,
+        reading.LENGTH_UNITS,
+        spans=spans,
+        limits=(lowest, highest * (highest / lowest) ** HEADROOM),
+        scale="log",
+    )
 
 
-def _draw_stems(
-    axes: Axes, frequency: FloatArray, values: FloatArray, turns: int, number: int
-) -> None:
+def _stems(
+    frequency: FloatArray, values: FloatArray, turns: int, number: int, lowest: float, name: str
+) -> list[Curve]:
     """Amplitudes at the orders, and what is between them; the first one is order 1."""
-    color, look = series_style(number).color, _stem_mark(number)
+    color, at, size = series_style(number).color, frequency[::turns], values[::turns]
+    curves = [Curve(at, size, _stem_mark(number), f"{name}, at orders")]
     if number == 0:
-        axes.vlines(frequency[::turns], axes.get_ylim()[0], values[::turns], color=color, lw=0.8)
-    axes.plot(frequency[::turns], values[::turns], **look, clip_on=True, zorder=3)
+        # From the axis up, with a gap after each of them.
+        up = np.stack([np.full(len(size), lowest), size, np.full(len(size), np.nan)], axis=-1)
+        curves.append(Curve(np.repeat(at, 3), up.ravel(), {"color": color, "lw": 0.8}))
     if turns > 1:
         between = np.where(np.arange(len(values)) % turns, values, np.nan)
         # A line that ends beside each order.
-        axes.plot(frequency, between, color=color, lw=0.5, alpha=0.7, zorder=1.5)
+        look: Look = {"color": color, "lw": 0.5, "alpha": 0.7, "zorder": 1.5}
+        curves.append(Curve(frequency, between, look))
+    return curves
 
 
 def _stem_mark(number: int) -> Look:
     look, first = series_style(number), number == 0
     fill: Look = {"ms": 2.6 if first else 3.6, "mfc": look.color if first else "none", "mew": 0.8}
-    return {"ls": "", "marker": look.marker, "color": look.color} | fill
+    return {"ls": "", "marker": look.marker, "color": look.color, "zorder": 3} | fill
 
 
 def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:

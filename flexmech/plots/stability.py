@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.errors import InputError
 from flexmech.plots import scales, style
-from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.drawing import draw
+from flexmech.plots.layout import AxesLike, grid
+from flexmech.plots.picture import Choice, Curve, Pane, Picture, Span
 from flexmech.plots.reading import cell_edges, engine_label, speed_unit, speeds_of, subscripts
-from flexmech.plots.style import Look, series_handles, series_line, series_style
+from flexmech.plots.style import Look, series_line, series_style
 from flexmech.units import from_si
 
 # Kinds of bands: what meets in words, and a hatch, so that kinds differ without colour too.
@@ -132,28 +134,32 @@ def growth_curve(dataset: xr.Dataset, engine: int = 0) -> tuple[FloatArray, Floa
     return from_si(1.0, speed_unit(dataset)) * every, growth, modulus
 
 
-def shade_speeds(axes: Axes, dataset: xr.Dataset) -> None:
-    """Let the x axis reach over the crank speeds; shade unstable bands and hatch gaps.
+def speed_spans(dataset: xr.Dataset) -> tuple[Span, ...]:
+    """Unstable bands and speeds without equilibrium of the first engine.
 
-    Bands and gaps are those of the first engine; narrow bands are marks at the lower edge, and
-    gaps, speeds without equilibrium, reach half way to the next speeds.
+    Narrow bands are marks at the lower edge; gaps reach half way to the next speeds.
 
     Parameters
     ----------
-    axes : Axes
     dataset : Dataset
         Of a ``StabilityMap`` result.
+
+    Returns
+    -------
+    tuple of Span
     """
     low, high = scales.speed_limits(dataset)
-    axes.set_xlim(low, high)
-    for band in unstable_bands(dataset):
+    spans = list[Span]()
+    for band in sorted(unstable_bands(dataset), key=lambda one: list(KINDS).index(one.kind)):
         wide = band.high - band.low >= LEAST_WIDTH * (high - low)
-        height = 1.0 if wide else MARK_HEIGHT
-        axes.axvspan(band.low, band.high, ymax=height, **_look(band.kind), zorder=0.5)
+        look = _look(band.kind) | {"ymax": 1.0 if wide else MARK_HEIGHT, "zorder": 0.5}
+        spans.append(Span(band.low, band.high, look, KINDS[band.kind][0], upright=True))
     speed = speeds_of(dataset)
     edges = np.clip(cell_edges(speed), speed.min(), speed.max())
     for run in unbroken_runs(dataset["unstable"].values[0] == "no equilibrium"):
-        axes.axvspan(edges[run.start], edges[run.stop], **GAP, zorder=0)
+        ends = edges[run.start], edges[run.stop]
+        spans.append(Span(*ends, GAP | {"zorder": 0}, "no equilibrium", upright=True))
+    return tuple(spans)
 
 
 def name_bands(axes: Axes, dataset: xr.Dataset) -> None:
@@ -176,15 +182,6 @@ def name_bands(axes: Axes, dataset: xr.Dataset) -> None:
         taken.append(place)
         across = axes.get_xaxis_transform()
         axes.text(place, 0.98, band.name, transform=across, zorder=5, **look)
-
-
-def unstable_handles(dataset: xr.Dataset) -> list[Artist]:
-    """Legend entries of the kinds of bands that there are, and of gaps."""
-    kinds = {band.kind for band in unstable_bands(dataset)}
-    handles: list[Artist] = [
-        Patch(**_look(kind), label=words) for kind, (words, _) in KINDS.items() if kind in kinds
-    ]
-    return [*handles, *gap_handles(dataset["unstable"].values[0])]
 
 
 def gap_handles(state: NDArray[np.str_]) -> list[Artist]:
@@ -241,31 +238,36 @@ def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         raise InputError(NOTHING)
     heights = [GROWTH_HEIGHT, MODULUS_HEIGHT]
     layout = grid(2, 1, sum(heights) + style.AXES_HEIGHT, sharex=True, height_ratios=heights)
-    with sheet(layout, ax=ax, fewer=BOTH) as drawn:
-        names = (engine_label(dataset, n) for n in range(dataset.sizes["engine"]))
-        handles = series_handles(names, dataset["crank_speed"].values)
-        handles += unstable_handles(dataset)
-        drawn.header(handles, "Stability of the running linkage", of=dataset)
-        growth, modulus = drawn.panels
-        for axes in drawn.panels:
-            shade_speeds(axes, dataset)
+    return draw(
+        stability_picture(dataset),
+        layout,
+        ax=ax,
+        fewer=BOTH,
+        finish=lambda drawn: name_bands(drawn.panels[0], dataset),
+    )
+
+
+def stability_picture(dataset: xr.Dataset) -> Picture:
+    """Growth rate and modulus over crank speed, as of plot_stability."""
+    speeds, spans, panes = speeds_of(dataset), speed_spans(dataset), []
+    for part, middle, label in (
+        (1, 0.0, "Growth rate (1/s)"),
+        (2, 1.0, "Largest modulus\nof a multiplier"),
+    ):
+        curves = []
         for number in range(dataset.sizes["engine"]):
-            speed, rate, size = growth_curve(dataset, number)
-            look = series_line(number, dataset["crank_speed"].values)
+            known = growth_curve(dataset, number)
+            look = series_line(number, speeds) | {"zorder": 3}
             # Those asked for are marked.
-            look["markevery"] = np.isin(speed, speeds_of(dataset)).nonzero()[0].tolist()
-            growth.plot(speed, rate, **look, zorder=3)
-            modulus.plot(speed, size, **look, zorder=3)
-        growth.axhline(0.0, **ZERO)
-        modulus.axhline(1.0, **ZERO)
-        for axes, part, middle in ((growth, 1, 0.0), (modulus, 2, 1.0)):
-            _scale(axes, _with_equilibrium(dataset, part) - middle, middle)
-        growth.set_ylabel("Growth rate (1/s)")
-        modulus.set_ylabel("Largest modulus\nof a multiplier")
-        name_bands(growth, dataset)
-        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
-        scales.second_speed_axis(growth, dataset)
-    return drawn.figure
+            look["markevery"] = np.isin(known[0], speeds).nonzero()[0].tolist()
+            name = engine_label(dataset, number)
+            followed: Choice | None = None if number else {}
+            curves.append(Curve(known[0], known[part], look, name, followed=followed))
+        limits, scale = _scale(_with_equilibrium(dataset, part) - middle, middle)
+        across = (*spans, Span(middle, middle, ZERO))
+        panes.append(Pane(label, curves, spans=across, limits=limits, scale=scale, height=1.5))
+    along, title = f"Crank speed ({speed_unit(dataset)})", "Stability of the running linkage"
+    return Picture(panes, along, dataset, title, over="speed", places=speeds)
 
 
 def _with_equilibrium(dataset: xr.Dataset, part: int) -> FloatArray:
@@ -279,17 +281,18 @@ def _with_equilibrium(dataset: xr.Dataset, part: int) -> FloatArray:
     return np.concatenate(found)
 
 
-def _scale(axes: Axes, values: FloatArray, middle: float) -> None:
-    """Fit the y axis to what there is with an equilibrium, with room for the names of bands.
+def _scale(
+    values: FloatArray, middle: float
+) -> tuple[tuple[float, float], Literal["linear", "log"]]:
+    """Limits and kind of an axis for what there is with an equilibrium, and for names of bands.
 
     Beyond, where straight links buckle, the curve may leave the axes; so may strong decay.
     """
     high = max(LEAST_GROWTH, float(values.max(initial=0.0)))
     if middle and high > MOST_LINEAR:
-        scales.log_scale(axes, high**-0.06, high**ROOM)
-        return
+        return (high**-0.06, high**ROOM), "log"
     low = float(values.min(initial=-high))
     if high > LEAST_GROWTH:
         low = max(float(values.min(initial=0.0)), -high)
-    axes.set_ylim(middle + low - 0.06 * (high - low), middle + high + (ROOM - 1) * (high - low))
-    scales.plain_numbers(axes)
+    ends = middle + low - 0.06 * (high - low), middle + high + (ROOM - 1) * (high - low)
+    return ends, "linear"

@@ -7,163 +7,17 @@ nothing is computed in the browser but the place between two samples.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache, wraps
 from importlib import resources
-from typing import Any, Literal
+from typing import Any
 
 from flexmech.analyses import Summary, Table
 from flexmech.arrays import FloatArray
+from flexmech.plots.picture import Choice
+from flexmech.report.plotted import Plot
 from flexmech.report.results import Kind, Results
-from flexmech.units import from_si
-
-Choice = Mapping[str, str]
-"""What the reader must have chosen for something to be shown: ``speed``, ``engine``, ``state`` or
-``mode``, such as ``{"speed": "20 rad/s"}``; what is not named does not matter."""
-
-Look = Literal["solid", "dash", "dot", "dashdot", "points"]
-FRAME_HEIGHT = 110
-"""Of a plot in pixels: what its heading, its legend and the axis along x take."""
-GREY = "#8c8c8c"
-"""Of what lies behind curves: limits, rays of orders, rigid links."""
-
-
-@dataclass(frozen=True)
-class Trace:
-    """A line or points of a plot.
-
-    Parameters
-    ----------
-    name : str
-        For legend and hover; traces of one name share one entry of the legend.
-    x, y : ndarray, shape (n,)
-    colour : int or str
-        Number of a series, or any colour that a browser knows.
-    look : {"solid", "dash", "dot", "dashdot", "points"}
-    width : float
-        Of the line in pixels.
-    when : mapping
-        What the reader must have chosen for it to be shown.
-    followed : mapping or None
-        What he must have chosen besides for the cursor's dot to be on it; None: never.
-    axis : int
-        Which of the plot's axes it belongs to, from 0.
-    angle : ndarray, shape (n,), optional
-        Crank angle in degrees of each point, where ``x`` is something else.
-    fill : {"none", "to previous", "itself"}
-    legend : bool
-        Whether the legend names it.
-    label : str
-        Text at its last point.
-    """
-
-    name: str
-    x: FloatArray
-    y: FloatArray
-    colour: int | str = 0
-    look: Look = "solid"
-    width: float = 1.6
-    when: Choice = field(default_factory=dict)
-    followed: Choice | None = None
-    axis: int = 0
-    angle: FloatArray | None = None
-    fill: Literal["none", "to previous", "itself"] = "none"
-    legend: bool = True
-    label: str = ""
-
-
-@dataclass(frozen=True)
-class YAxis:
-    """A vertical axis; several of them stand above each other over one horizontal axis."""
-
-    title: str
-    logarithmic: bool = False
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A plot that can be zoomed, with a cursor that the script moves.
-
-    Parameters
-    ----------
-    name : str
-        Letters, digits and hyphens; unique in the report.
-    x_title : str
-    axes : tuple of YAxis
-        From the top.
-    traces : tuple of Trace
-    text : str
-        What is to be seen, for those who do not see it.
-    cursor : {"angle", "speed", "point", "none"}
-        A vertical line at the crank angle in degrees or at the crank speed, with dots on the
-        lines; dots alone, at the place of the crank angle; or nothing.
-    speed_scale : float
-        Units of the horizontal axis in a rad/s, for a cursor of speed.
-    equal : bool
-        Whether both axes have one scale.
-    tick : float, optional
-        Distance of the ticks along x.
-    height : int
-        In pixels.
-    title : str
-        Above the plot, where a panel has several.
-    """
-
-    name: str
-    x_title: str
-    axes: tuple[YAxis, ...]
-    traces: tuple[Trace, ...]
-    text: str
-    cursor: Literal["angle", "speed", "point", "none"] = "none"
-    speed_scale: float = 1.0
-    equal: bool = False
-    tick: float | None = None
-    height: int = 320
-    title: str = ""
-
-
-def over_angle(name: str, axes: tuple[YAxis, ...], traces: Iterable[Trace], **of: Any) -> Plot:
-    """A plot over the crank angle, whose cursor follows it.
-
-    Further keywords are fields of the plot.
-
-    Parameters
-    ----------
-    name : str
-    axes : tuple of YAxis
-    traces : iterable of Trace
-
-    Returns
-    -------
-    Plot
-    """
-    along: dict[str, Any] = {"x_title": "Crank angle (deg)", "cursor": "angle", "tick": 60.0}
-    return Plot(name, axes=axes, traces=tuple(traces), **(along | of))
-
-
-def over_speed(
-    name: str, unit: str, axes: tuple[YAxis, ...], traces: Iterable[Trace], text: str
-) -> Plot:
-    """A plot over the crank speed, whose cursor follows the speed chosen.
-
-    Parameters
-    ----------
-    name : str
-    unit : str
-        Of the crank speed.
-    axes : tuple of YAxis
-    traces : iterable of Trace
-    text : str
-        What is to be seen.
-
-    Returns
-    -------
-    Plot
-    """
-    scale, title = from_si(1.0, unit), f"Crank speed ({unit})"
-    shown = tuple(traces)
-    return Plot(name, title, axes, shown, text, "speed", speed_scale=scale, height=440)
 
 
 @dataclass(frozen=True)

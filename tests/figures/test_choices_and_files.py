@@ -61,6 +61,23 @@ def test_a_chosen_mode_stands_in_a_panel_among_others_of_the_user() -> None:
         plots.plot_frequencies(data, ax="left")
 
 
+def test_letters_in_axes_of_the_user_are_those_of_his_settings() -> None:
+    """Of the legend and of the second axis too."""
+    settings = {"font.family": "DejaVu Serif", "legend.fontsize": 15.0, "xtick.labelsize": 13.0}
+    data = results.response().dataset
+    with mpl.rc_context(settings):
+        axes = list(Figure().subplots(5, 1))
+        plots.plot_response(data, ax=axes)
+        plots.plot_campbell(results.campbell().dataset, ax=axes[3:])
+        texts = axes[0].get_legend().get_texts()
+        (top,), labels = axes[0].child_axes, axes[3].texts
+        ticks = top.get_xticklabels()
+    assert labels
+    for shown, size in ((texts, 15.0), (ticks, 13.0), (labels, 13.0)):
+        assert {text.get_fontsize() for text in shown} == {size}
+        assert {text.get_fontname() for text in shown} == {"DejaVu Serif"}
+
+
 def test_veering_is_marked_where_it_was_flagged() -> None:
     flags = results.frequencies().dataset["veering"].isel(engine=0).any(("crank_speed", "mode"))
     starts = np.diff(flags.values.astype(int), prepend=0) == 1

@@ -203,7 +203,7 @@ DRAWN: dict[Plot, list[Row]] = {
     plots.plot_move_times: [
         Row(
             0,
-            "Coupler middle (mm)",
+            "Coupler middle mode 1 (mm)",
             lambda d: 1e3 * d["move_amplitude"].sel(mode=1, link="coupler"),
         ),
     ],

@@ -107,7 +107,7 @@ def test_designs_within_and_beyond_the_limit_are_told_apart() -> None:
         np.testing.assert_allclose(by_mark["o"], places[within])
         np.testing.assert_allclose(by_mark["x"], places[~within])
     one = data.isel(design=np.flatnonzero(data["materials.aluminium.density"] == 2800.0))
-    line, limit = panels(plots.plot_designs(one))[0].lines[:2]
+    limit, line = panels(plots.plot_designs(one))[0].lines[:2]
     np.testing.assert_allclose(line.get_ydata(), one["f1"])
     assert set(limit.get_ydata()) == {44.0}
 
@@ -118,7 +118,8 @@ def test_distributions_have_unit_area_and_the_percentiles_of_the_dataset() -> No
     percentiles = [float(data[name].sel(output="f1")) for name in ("p2_5", "p50", "p97_5")]
     np.testing.assert_allclose(sorted(upright_lines(frequency)), sorted([*percentiles, 44.0]))
     assert len(upright_lines(mass)) == 3
-    area = sum(bar.get_height() * bar.get_width() for bar in frequency.patches)
+    (edge,) = [path.vertices for path in frequency.collections[0].get_paths()]
+    area = abs(np.sum(edge[:-1, 0] * edge[1:, 1] - edge[1:, 0] * edge[:-1, 1])) / 2
     assert area == pytest.approx(1.0)
 
 

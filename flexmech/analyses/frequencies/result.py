@@ -25,7 +25,7 @@ from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.errors import InputError
-from flexmech.plots.frequencies_over_speed import has_few_angles, has_no_curve_over_angle
+from flexmech.plots.frequencies import has_few_angles, has_no_curve_over_angle
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,13 +13,13 @@ from matplotlib.transforms import Bbox
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots.designs.reading import LARGE_PANEL, PANEL, goals_of, label, shown
+from flexmech.plots.drawing import draw
 from flexmech.plots.drawn_linkage.sketch import LinkageSketch
-from flexmech.plots.layout import AxesLike, sheet, tiles
+from flexmech.plots.layout import AxesLike, Sheet, tiles
+from flexmech.plots.picture import Curve, Pane, Picture
 from flexmech.plots.style import (
     MID_GREY,
     Look,
-    line_handle,
-    series_handle,
     series_line,
     series_style,
 )
@@ -54,21 +54,35 @@ def plot_pareto(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     goals = goals_of(dataset)
     if len(goals) < 2:
         raise InputError("one goal has one best design, and no front; plot_search draws its search")
-    (sense, first), others = goals[0], goals[1:]
+    picture = pareto_picture(dataset)
+
+    def add_linkages(drawn: Sheet) -> None:
+        if "rigid_position" in dataset:
+            best = dataset.sortby(goals[0][1])
+            for axes, pane in zip(drawn.panels, picture.panes, strict=True):
+                _draw_linkages(axes, best, pane.curves[0].x, pane.curves[0].y)
+
+    return draw(picture, tiles(len(goals) - 1, 2, LARGE_PANEL), ax=ax, finish=add_linkages)
+
+
+def pareto_picture(dataset: xr.Dataset) -> Picture:
+    """Best designs of the first goal and of each further one, as of plot_pareto."""
+    (sense, first), *others = goals_of(dataset)
     best = dataset.sortby(first)
-    with sheet(tiles(len(others), 2, LARGE_PANEL), ax=ax) as drawn:
-        # Of three goals and more the front is a surface, which no line follows.
-        line = "-" if len(goals) == 2 else ""
-        look: Look = {"marker": "o", "ms": 4, "lw": 0.8, "ls": line, "color": series_style(0).color}
-        handles = [line_handle("design", **look)]
-        drawn.header(handles, "Designs that no other is better than in every goal", of=dataset)
-        for axes, (other_sense, output) in zip(drawn.panels, others, strict=True):
-            axes.plot(shown(best[first]), shown(best[output]), **look)
-            axes.set_xlabel(f"{label(best[first])}, {sense}")
-            axes.set_ylabel(f"{label(best[output])}, {other_sense}")
-            if "rigid_position" in best:
-                _draw_linkages(axes, best, shown(best[first]), shown(best[output]))
-    return drawn.figure
+    # Of three goals and more the front is a surface, which no line follows.
+    line = "" if others[1:] else "-"
+    look: Look = {"marker": "o", "ms": 4, "lw": 0.8, "ls": line, "color": series_style(0).color}
+    along = f"{label(best[first])}, {sense}"
+    panes = [
+        Pane(
+            f"{label(best[output])}, {other}",
+            (Curve(shown(best[first]), shown(best[output]), look, "design"),),
+            along=along,
+        )
+        for other, output in others
+    ]
+    title = "Designs that no other is better than in every goal"
+    return Picture(panes, "", dataset, title)
 
 
 def _draw_linkages(axes: Axes, best: xr.Dataset, x: FloatArray, y: FloatArray) -> None:
@@ -113,13 +127,17 @@ def plot_search(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    goals = goals_of(dataset)
-    with sheet(tiles(len(goals), 2, PANEL), ax=ax) as drawn:
-        handles = [series_handle(0, "best so far that keeps every limit")]
-        drawn.header(handles, "Search for the best design", of=dataset)
-        for axes, (sense, output) in zip(drawn.panels, goals, strict=True):
-            own = dataset["history"].sel(goal=output).assign_attrs(dataset[output].attrs)
-            axes.step(dataset["evaluations"], shown(own), where="post", **series_line(0))
-            axes.set_ylabel(f"{label(dataset[output])}, {sense}")
-        drawn.label_x("Designs computed")
-    return drawn.figure
+    picture = search_picture(dataset)
+    return draw(picture, tiles(len(picture.panes), 2, PANEL), ax=ax)
+
+
+def search_picture(dataset: xr.Dataset) -> Picture:
+    """The best of each goal so far over the designs computed, as of plot_search."""
+    at, panes = dataset["evaluations"].values.astype(float), []
+    look = series_line(0) | {"drawstyle": "steps-post"}
+    for sense, output in goals_of(dataset):
+        own = dataset["history"].sel(goal=output).assign_attrs(dataset[output].attrs)
+        curve = Curve(at, shown(own), look, "best so far that keeps every limit")
+        panes.append(Pane(f"{label(dataset[output])}, {sense}", (curve,)))
+    title = "Search for the best design"
+    return Picture(panes, "Designs computed", dataset, title)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
@@ -20,7 +22,9 @@ from flexmech.plots.designs.reading import (
     shown,
     varying,
 )
+from flexmech.plots.drawing import draw
 from flexmech.plots.layout import AxesLike, sheet, tiles
+from flexmech.plots.picture import Curve, Pane, Picture, Span
 from flexmech.plots.style import (
     LIGHT_GREY,
     MID_GREY,
@@ -28,7 +32,6 @@ from flexmech.plots.style import (
     Look,
     line_handle,
     line_handles,
-    series_handles,
     series_line,
     series_style,
 )
@@ -99,23 +102,21 @@ def _lines(dataset: xr.Dataset, texts: list[str]) -> list[tuple[str, ...]]:
 
 def _curves(dataset: xr.Dataset, variable: str, texts: list[str], ax: AxesLike | None) -> Figure:
     """Lines of every output over the only number that varies."""
-    outputs, lines = outputs_of(dataset), _lines(dataset, texts)
-    with sheet(tiles(len(outputs), 2, PANEL), ax=ax) as drawn:
-        points = np.unique(shown(dataset[variable]))
-        names = [", ".join(line) for line in lines]
-        handles = series_handles(names, points) if texts else []
-        if any(bounds(dataset[name]) for name in outputs):
-            handles.append(line_handle("limit", **BOUND))
-        drawn.header(handles, f"Outputs over {label(dataset[variable])}", of=dataset)
-        for axes, output in zip(drawn.panels, outputs, strict=True):
-            for number, line in enumerate(lines):
-                chosen = np.ones(dataset.sizes["design"], dtype=bool)
-                for name, value in zip(texts, line, strict=True):
-                    chosen &= dataset[name].values == value
-                own = dataset.isel(design=np.flatnonzero(chosen)).sortby(variable)
-                axes.plot(shown(own[variable]), shown(own[output]), **series_line(number, points))
-            _finish(axes, dataset, output, variable)
-    return drawn.figure
+    lines, x = _lines(dataset, texts), shown(dataset[variable])
+    points = np.unique(x)
+    panes = []
+    for output in outputs_of(dataset):
+        curves = []
+        for number, line in enumerate(lines):
+            own = [dataset[name].values == text for name, text in zip(texts, line, strict=True)]
+            which = np.flatnonzero(np.logical_and.reduce(own)) if own else np.arange(x.size)
+            which = which[np.argsort(x[which], kind="stable")]
+            y, look = shown(dataset[output])[which], series_line(number, points)
+            curves.append(Curve(x[which], y, look, ", ".join(line)))
+        panes.append(_pane(dataset, output, variable, curves))
+    title = f"Outputs over {label(dataset[variable])}"
+    picture = Picture(panes, "", dataset, title)
+    return draw(picture, tiles(len(panes), 2, PANEL), ax=ax)
 
 
 def _contours(dataset: xr.Dataset, variables: list[str], ax: AxesLike | None) -> Figure:
@@ -181,45 +182,70 @@ def _beyond(
 
 def _scatter(known: xr.Dataset, variables: list[str], ax: AxesLike | None) -> Figure:
     """Every output over every variable, designs that keep all limits apart from the others."""
-    outputs = outputs_of(known)
-    every = [(output, variable) for output in outputs for variable in variables]
+    every = [(output, variable) for output in outputs_of(known) for variable in variables]
     pairs, heading = every[:MOST_PANELS], "Outputs of the designs over what varies"
     if len(every) > MOST_PANELS:
         heading += f": the first {MOST_PANELS} of {len(every)} pairs"
-    numbered = {name: values for name in _texts(known) if (values := _numbered(known[name]))}
-    for name, values in numbered.items():
-        told = ", ".join(f"{number}: {value}" for number, value in enumerate(values, 1))
-        heading += f"\n{label(known[name])}: {told}"
-    with sheet(tiles(len(pairs), min(len(variables), 3), PANEL), ax=ax) as drawn:
-        bounded = any(bounds(known[name]) for name in outputs)
-        drawn.header(_marks() if bounded else [], heading, of=known)
-        within = known["within"].values | (not bounded)
-        for axes, (output, variable) in zip(drawn.panels, pairs, strict=True):
-            x, y = shown(known[variable]), shown(known[output])
-            if variable in numbered:
-                x = np.array([numbered[variable].index(value) + 1 for value in x.tolist()])
-                axes.set_xticks(np.arange(1, len(numbered[variable]) + 1))
-            for which, look in ((~within, BEYOND), (within, WITHIN)):
-                axes.plot(x[which], y[which], **look)
-            _finish(axes, known, output, variable)
-    return drawn.figure
+    heading += "".join(f"\n{key}" for name in variables if (key := key_of(known[name])))
+    panes = [design_pane(known, *pair) for pair in pairs]
+    picture = Picture(panes, "", known, heading)
+    return draw(picture, tiles(len(panes), min(len(variables), 3), PANEL), ax=ax)
 
 
-def _numbered(values: xr.DataArray) -> list[str]:
-    """Texts that are too long for an axis, in the order in which they are numbered."""
-    names = list(dict.fromkeys(values.values.tolist()))
-    return names if max(map(len, names)) > MOST_LETTERS else []
+def design_pane(known: xr.Dataset, output: str, variable: str) -> Pane:
+    """Designs as points of an output over a variable, those beyond a limit apart, and limits.
+
+    Parameters
+    ----------
+    known : Dataset
+        Designs that can be computed.
+    output, variable : str
+
+    Returns
+    -------
+    Pane
+        Texts stand along x by their numbers.
+    """
+    bounded = any(bounds(known[name]) for name in outputs_of(known))
+    within, names = known["within"].values | (not bounded), _names(known[variable])
+    x, y = shown(known[variable]), shown(known[output])
+    if names:
+        x = np.array([names.index(value) + 1.0 for value in x.tolist()])
+    curves = [
+        Curve(x[which], y[which], look, word)
+        for which, look, word in (
+            (~within, BEYOND, "beyond a limit"),
+            (within, WITHIN, "keeps every limit" if bounded else ""),
+        )
+        if which.any()
+    ]
+    short = max(map(len, names), default=0) <= MOST_LETTERS
+    ticks = tuple(name if short else str(n) for n, name in enumerate(names, 1))
+    return replace(_pane(known, output, variable, curves), named=ticks)
+
+
+def _pane(dataset: xr.Dataset, output: str, variable: str, curves: list[Curve]) -> Pane:
+    """A pane of an output over a variable with its limits."""
+    spans = tuple(Span(bound, bound, BOUND, "limit") for bound in bounds(dataset[output]))
+    along = label(dataset[variable])
+    return Pane(label(dataset[output]), curves, spans=spans, along=along)
+
+
+def key_of(values: xr.DataArray) -> str:
+    """What the numbers of texts along an axis mean; empty of numbers and of short texts."""
+    names = _names(values)
+    if max(map(len, names), default=0) <= MOST_LETTERS:
+        return ""
+    told = ", ".join(f"{number}: {value}" for number, value in enumerate(names, 1))
+    return f"{label(values)}: {told}"
+
+
+def _names(values: xr.DataArray) -> list[str]:
+    """Texts in the order in which they come; none of numbers."""
+    return list(dict.fromkeys(values.values.tolist())) if values.dtype.kind == "U" else []
 
 
 def _marks() -> list[Artist]:
     """Legend of designs and limits."""
     looks = {"keeps every limit": WITHIN, "beyond a limit": BEYOND, "limit": BOUND}
     return line_handles(looks)
-
-
-def _finish(axes: Axes, dataset: xr.Dataset, output: str, variable: str) -> None:
-    """Limits and labels of a panel of an output over a variable."""
-    for bound in bounds(dataset[output]):
-        axes.axhline(bound, **BOUND)
-    axes.set_xlabel(label(dataset[variable]))
-    axes.set_ylabel(label(dataset[output]))

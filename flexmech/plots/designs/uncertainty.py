@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from flexmech.errors import InputError
 from flexmech.plots.designs.reading import (
@@ -22,15 +20,14 @@ from flexmech.plots.designs.reading import (
     short_name,
     shown,
 )
+from flexmech.plots.drawing import draw
 from flexmech.plots.layout import AxesLike, sheet, tiles
+from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
 from flexmech.plots.reading import degrees, mode_label
-from flexmech.plots.scales import crank_angle_axis
 from flexmech.plots.style import (
     MID_GREY,
     Look,
     line_handle,
-    line_handles,
-    series_handle,
     series_line,
     series_style,
 )
@@ -40,10 +37,11 @@ from flexmech.units import from_si
 BAND = (2.5, 50.0, 97.5)
 # Bars of a distribution at most.
 MOST_BARS = 60
-PERCENTILES: Mapping[str, Look] = {
-    "p2_5": {"color": "black", "lw": 0.9, "ls": ":"},
-    "p50": {"color": "black", "lw": 1.2},
-    "p97_5": {"color": "black", "lw": 0.9, "ls": ":"},
+# Percentiles of outputs: look and name in the legend.
+PERCENTILES: Mapping[str, tuple[Look, str]] = {
+    "p50": ({"color": "black", "lw": 1.2}, "median"),
+    "p2_5": ({"color": "black", "lw": 0.9, "ls": ":"}, "2.5 and 97.5 %"),
+    "p97_5": ({"color": "black", "lw": 0.9, "ls": ":"}, "2.5 and 97.5 %"),
 }
 
 
@@ -118,28 +116,38 @@ def plot_distributions(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     InputError
         If no design can be computed.
     """
+    outputs = outputs_of(dataset)
+    panes = [distribution_pane(dataset, name) for name in outputs]
+    title, label_y = "Distribution of the outputs", "Probability density"
+    picture = Picture(panes, "", dataset, title, label_y)
+    return draw(picture, tiles(len(outputs), 2, PANEL), ax=ax)
+
+
+def distribution_pane(dataset: xr.Dataset, output: str) -> Pane:
+    """How often an output takes its values among the designs; median, 95 % interval and limits.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of an ``Uncertainty``.
+    output : str
+
+    Returns
+    -------
+    Pane
+    """
     known = computed(dataset)
-    outputs, limit = outputs_of(dataset), BOUND | {"color": series_style(1).color}
-    with sheet(tiles(len(outputs), 2, PANEL), ax=ax) as drawn:
-        looks = {"median": PERCENTILES["p50"], "2.5 and 97.5 %": PERCENTILES["p2_5"]}
-        if any(bounds(dataset[name]) for name in outputs):
-            looks["limit"] = limit
-        drawn.header(line_handles(looks), "Distribution of the outputs", of=dataset)
-        for axes, output in zip(drawn.panels, outputs, strict=True):
-            unit = dataset[output].attrs["shown_unit"]
-            axes.hist(
-                *(shown(known[output]), min(int(known.sizes["design"] ** 0.5), MOST_BARS)),
-                density=True,
-                color=series_style(0).color,
-                alpha=0.5,
-            )
-            for name, look in PERCENTILES.items():
-                axes.axvline(from_si(float(dataset[name].sel(output=output)), unit), **look)
-            for bound in bounds(known[output]):
-                axes.axvline(bound, **limit)
-            axes.set_xlabel(label(known[output]))
-        drawn.label_y("Probability density")
-    return drawn.figure
+    values, unit = shown(known[output]), dataset[output].attrs["shown_unit"]
+    count = min(int(known.sizes["design"] ** 0.5), MOST_BARS)
+    heights, edges = np.histogram(values, count, density=True)
+    x, y = np.repeat(edges, 2)[1:-1], np.repeat(heights, 2)
+    bars = Curve(x, 0.0 * y, {"color": series_style(0).color, "alpha": 0.5, "lw": 0}, upto=y)
+    places = [(from_si(float(dataset[p].sel(output=output)), unit), p) for p in PERCENTILES]
+    spans = [Span(at, at, *PERCENTILES[name], upright=True) for at, name in places]
+    limit = BOUND | {"color": series_style(1).color}
+    spans += [Span(at, at, limit, "limit", upright=True) for at in bounds(known[output])]
+    ends = 0.0, 1.05 * float(heights.max())
+    return Pane("", (bars,), spans=spans, limits=ends, along=label(known[output]))
 
 
 def plot_frequency_bands(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -166,19 +174,19 @@ def plot_frequency_bands(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> 
             "there are no frequencies over the crank angle; ask for lowest_frequency or another "
             "output that is found from natural frequencies"
         )
+    layout = tiles(dataset["frequency_percentile"].sizes["mode"], 3, PANEL)
+    return draw(frequency_bands_picture(dataset), layout, ax=ax)
+
+
+def frequency_bands_picture(dataset: xr.Dataset) -> Picture:
+    """Median and 95 % interval of the frequencies, as of plot_frequency_bands."""
     bands = dataset["frequency_percentile"]
-    angles, modes = degrees(bands["crank_angle"]), bands["mode"].values.tolist()
-    shade: dict[str, Any] = {"color": series_style(0).color, "alpha": 0.3, "lw": 0}
-    with sheet(tiles(len(modes), 3, PANEL), ax=ax) as drawn:
-        handles = [series_handle(0, "median"), Patch(**shade, label="95 % of the designs")]
-        heading = f"Natural frequencies of {bands.attrs['designs']} designs"
-        drawn.header(handles, heading, of=dataset)
-        for axes, mode in zip(drawn.panels, modes, strict=True):
-            low, median, high = (bands.sel(mode=mode).sel(percentile=part) for part in BAND)
-            axes.fill_between(angles, low, high, **shade)
-            axes.plot(angles, median, **series_line(0))
-            axes.set_title(mode_label([mode]))
-            crank_angle_axis(axes, angles, narrow=True)
-        drawn.label_x("Crank angle (deg)")
-        drawn.label_y("Frequency (Hz)")
-    return drawn.figure
+    angles, panes = degrees(bands["crank_angle"]), []
+    shade: Look = {"color": series_style(0).color, "alpha": 0.3, "lw": 0}
+    for mode in bands["mode"].values.tolist():
+        low, median, high = (bands.sel(mode=mode, percentile=part).values for part in BAND)
+        line = Curve(angles, median, series_line(0), "median")
+        interval = Curve(angles, low, shade, "95 % of the designs", upto=high)
+        panes.append(Pane("", (line, interval), title=mode_label([mode])))
+    title = f"Natural frequencies of {bands.attrs['designs']} designs"
+    return over_angles(angles, panes, dataset, title, "Frequency (Hz)")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from flexmech.analyses import CrankRockerSynthesis
 from flexmech.report.panel import Panel, PanelMaker, further_lines, panel_of
-from flexmech.report.panels.balance import balance_panel
 from flexmech.report.panels.designs import optimum_panel, sweep_panel, uncertainty_panel
 from flexmech.report.panels.frequencies import (
     campbell_panel,
@@ -13,10 +12,18 @@ from flexmech.report.panels.frequencies import (
     stability_panel,
 )
 from flexmech.report.panels.hammer import comparison_panel, hammer_panel, running_hammer_panel
-from flexmech.report.panels.kinematics import coupler_panel, kinematics_panel, mechanism_panel
-from flexmech.report.panels.motor import motor_panel
-from flexmech.report.panels.residual import residual_panel
-from flexmech.report.panels.response import response_panel, spectrum_panel
+from flexmech.report.panels.kinematics import (
+    balance_panel,
+    coupler_panel,
+    kinematics_panel,
+    mechanism_panel,
+)
+from flexmech.report.panels.response import (
+    motor_panel,
+    residual_panel,
+    response_panel,
+    spectrum_panel,
+)
 from flexmech.report.panels.sections import moisture_panel, section_panel
 from flexmech.report.panels.strength import strength_panel
 from flexmech.report.results import Results

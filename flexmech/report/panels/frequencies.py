@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -12,11 +14,13 @@ from flexmech.analyses.digits import decimals_of, with_error
 from flexmech.analyses.frequencies.damping import error_of_damping
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.arrays import FloatArray
-from flexmech.plots.campbell import critical_stretches
-from flexmech.plots.reading import degrees, names_of
-from flexmech.plots.stability import KINDS, UnstableBand, growth_curve, unstable_bands
-from flexmech.plots.style import series_style
+from flexmech.plots.campbell import campbell_picture
+from flexmech.plots.frequencies import damping_picture, frequencies_picture
+from flexmech.plots.picture import Choice, Picture, joined
+from flexmech.plots.reading import degrees, names_of, speed_label
+from flexmech.plots.stability import stability_picture
 from flexmech.report import panel
+from flexmech.report.plotted import Plot, plotted
 from flexmech.report.results import (
     Results,
     speed_name,
@@ -25,8 +29,6 @@ from flexmech.report.results import (
 )
 from flexmech.units import from_si
 
-# Of an axis in pixels: three ticks and their numbers, and the lines of some speeds.
-AXIS_HEIGHT = 130
 STRESSES = {
     "none": "links without stress",
     "axial": "links under the axial forces of the rigid motion",
@@ -49,7 +51,7 @@ def frequency_panel(result: MovingFrequencies, results: Results) -> panel.Panel:
     return panel.panel_of(
         "frequencies",
         result.summary(),
-        plots=(_plot(result, unit, "frequency"),),
+        plots=(_frequency_plot(result, unit),),
         readings=tuple(_readings(result, unit)),
         folded=_tables(result, unit),
         stress=STRESSES[str(attrs["prestress"])],
@@ -72,7 +74,8 @@ def damping_panel(result: MovingFrequencies, results: Results) -> panel.Panel | 
     if not variable:
         return None
     lines = tuple(line for line in result.summary().lines if "damping" in line)
-    plot = _plot(result, speed_unit_of(results), variable)
+    shown = _of_each(result, partial(damping_picture, name=variable))
+    plot = plotted(variable.replace("_", "-"), shown)
     return panel.panel_of("damping", None, variable, plots=(plot,), lines=lines)
 
 
@@ -99,31 +102,34 @@ def _places(result: MovingFrequencies) -> list[tuple[str, xr.Dataset, str, float
     ]
 
 
-def _plot(result: MovingFrequencies, unit: str, variable: str) -> panel.Plot:
-    modes = result.dataset["mode"].values.tolist()
-    speeds = result.dataset["crank_speed"].values.tolist()
-    words, factor = ("Frequency (Hz)", 1) if variable == "frequency" else ("Damping ratio (%)", 100)
-    traces = [
-        panel.Trace(
-            *(speed_name(speed, unit), degrees(data["crank_angle"])),
-            factor * _values(data, variable, engine, speed, mode),
-            speeds.index(speed),
-            ("solid", "dash", "dashdot", "dot")[speeds.index(speed) % 4],
-            when={"engine": engine, "state": state},
-            followed={"speed": speed_name(speed, unit)},
-            axis=modes.index(mode),
-            legend=mode == modes[0],
-        )
-        for state, data, engine, speed, mode in _places(result)
-    ]
-    return panel.over_angle(
-        variable.replace("_", "-"),
-        tuple(panel.YAxis(f"Mode {mode}") for mode in modes),
-        traces,
-        text=f"{words} of {len(modes)} modes against crank angle at {len(speeds)} crank speeds",
-        height=panel.FRAME_HEIGHT + AXIS_HEIGHT * len(modes),
-        title=words,
+def _of_each(result: MovingFrequencies, picture: Callable[[xr.Dataset], Picture]) -> Picture:
+    """A picture of every state by every engine, among which the reader chooses."""
+    return joined(
+        [
+            ({"engine": engine, "state": state}, picture(data.isel(engine=[number])))
+            for state, data in in_each_state(result).items()
+            for number, engine in enumerate(names_of(data, "engine"))
+        ]
     )
+
+
+def _frequency_plot(result: MovingFrequencies, unit: str) -> Plot:
+    """Frequencies of all modes; the cursor's dots are at the speed chosen."""
+    speeds = result.dataset["crank_speed"].values.tolist()
+    chosen = {speed_label(one, unit): {"speed": speed_name(one, unit)} for one in speeds}
+
+    def picture(data: xr.Dataset) -> Picture:
+        made = frequencies_picture(data.assign_attrs(speed_unit=unit))
+        panes = [
+            replace(
+                pane,
+                curves=tuple(replace(one, followed=chosen[one.name]) for one in pane.curves),
+            )
+            for pane in made.panes
+        ]
+        return replace(made, panes=tuple(panes))
+
+    return plotted("frequency", _of_each(result, picture))
 
 
 def _readings(result: MovingFrequencies, unit: str) -> list[panel.Reading]:
@@ -132,7 +138,7 @@ def _readings(result: MovingFrequencies, unit: str) -> list[panel.Reading]:
     damping = _damping_of(result.dataset)
     for state, data, engine, speed, mode in _places(result):
         angle = degrees(data["crank_angle"])
-        when: panel.Choice = {"engine": engine, "state": state, "speed": speed_name(speed, unit)}
+        when: Choice = {"engine": engine, "state": state, "speed": speed_name(speed, unit)}
         frequency = _values(data, "frequency", engine, speed, mode)
         relative = float(known_error(data).sel(engine=engine, crank_speed=speed, mode=mode))
         error = relative * float(np.nanmax(frequency))
@@ -188,14 +194,12 @@ def _extremes_table(result: MovingFrequencies, state: str, unit: str, *, several
 def campbell_panel(result: CampbellDiagram, results: Results) -> panel.Panel:
     """Bands over crank speed under the orders' rays, with critical speeds."""
     data, unit = result.dataset, speed_unit_of(results)
-    plot = panel.over_speed(
-        "campbell",
-        unit,
-        (panel.YAxis("Frequency (Hz)"),),
-        (*_branches(data, unit), *_rays(data, unit), *_critical(data, unit)),
-        f"Bands of {data.sizes['branch']} branches against crank speed, with rays of the "
-        "orders of the crank; thick dark parts of rays are critical speeds",
-    )
+    data = data.assign_attrs(speed_unit=unit)
+    shown = [
+        ({"engine": engine} if data.sizes["engine"] > 1 else {}, data.isel(engine=[number]))
+        for number, engine in enumerate(names_of(data, "engine"))
+    ]
+    plot = plotted("campbell", joined([(when, campbell_picture(one)) for when, one in shown]))
     of = {"engine": names_of(data, "engine")[0], "state": state_of(data.attrs)}
     table = _critical_table(data, unit)
     return panel.panel_of("campbell", result.summary(), plots=(plot,), folded=(table,), **of)
@@ -205,16 +209,7 @@ def campbell_panel(result: CampbellDiagram, results: Results) -> panel.Panel:
 def stability_panel(result: StabilityMap, results: Results) -> panel.Panel:
     """Growth rates and moduli over crank speed, with the unstable bands."""
     data, unit = result.dataset, speed_unit_of(results)
-    # Derived in the unit of the page.
-    data = data.assign_attrs(speed_unit=unit)
-    plot = panel.over_speed(
-        "stability",
-        unit,
-        (panel.YAxis("Growth rate (1/s)"), panel.YAxis("Largest modulus")),
-        (*_filled(unstable_bands(data)), *_growth(data)),
-        "Growth rate and largest modulus of a Floquet multiplier against crank speed; shaded "
-        "are the unstable bands",
-    )
+    plot = plotted("stability", stability_picture(data.assign_attrs(speed_unit=unit)))
     of = {name: data.attrs[name] for name in ("prestress", "damping")}
     return panel.panel_of("stability", result.summary(), plots=(plot,), **of)
 
@@ -236,90 +231,6 @@ def relative_error(data: xr.Dataset, engine: str, branch: int) -> float:
     own = data.sel(engine=engine)
     mesh = float(np.nanmax(own["discretisation_error"].sel(branch=branch).values, initial=0.0))
     return mesh + float(own["fit_error"]) + float(own["projection_error"])
-
-
-def _branches(data: xr.Dataset, unit: str) -> list[panel.Trace]:
-    """Each branch's lowest and highest frequency, filled between them, and its mean."""
-    traces = []
-    speed = from_si(1.0, unit) * data["crank_speed"].values
-    for engine in names_of(data, "engine"):
-        when = {"engine": engine} if data.sizes["engine"] > 1 else {}
-        for number, branch in enumerate(data["branch"].values.tolist()):
-            fill = _translucent(series_style(number).color, 0.25)
-            for part in ("lowest", "highest", "mean"):
-                values = data[f"{part}_frequency"].sel(engine=engine, branch=branch).values
-                mean, filled = part == "mean", part == "highest"
-                traces.append(
-                    panel.Trace(
-                        *(f"branch {branch}", speed, values, fill if filled else number),
-                        width=1.8 if mean else 0.6,
-                        when=when,
-                        followed={} if mean else None,
-                        fill="to previous" if filled else "none",
-                        legend=mean,
-                    )
-                )
-    return traces
-
-
-def _translucent(color: str, opacity: float) -> str:
-    """A colour such as #0072B2 as a browser fills with it."""
-    red, green, blue = bytes.fromhex(color[1:])
-    return f"rgba({red},{green},{blue},{opacity:g})"
-
-
-def _rays(data: xr.Dataset, unit: str) -> list[panel.Trace]:
-    speed = data["crank_speed"].values
-    ends = np.array([min(speed.min(), 0.0), 0.0, max(speed.max(), 0.0)])
-    top = 1.06 * float(np.nanmax(data["highest_frequency"].values))
-    traces: list[panel.Trace] = []
-    labelled = _labelled(data["order"].values.tolist(), float(np.abs(ends).max()), top)
-    for order in data["order"].values.tolist():
-        # Rays end where the bands do: beyond there is nothing to meet.
-        most = min(float(np.abs(ends).max()), 2 * np.pi * top / order)
-        along = np.clip(ends, -most, most)
-        x, y = from_si(1.0, unit) * along, order * np.abs(along) / (2 * np.pi)
-        name = f"order {order}" if traces else "order of the crank"
-        ray = panel.Trace(name, x, y, panel.GREY, width=0.8, legend=not traces)
-        if order in labelled:
-            ray = replace(ray, label=f"{order}×")
-        traces.append(ray)
-    return traces
-
-
-# Least distance of two labels of orders, as a part of the axes: height and width of their letters.
-_APART = 0.05
-
-
-def _labelled(orders: list[int], fastest: float, top: float) -> set[int]:
-    """Orders whose labels stand clear of each other, from the highest on.
-
-    Parameters
-    ----------
-    orders : list of int
-    fastest : float
-        Greatest crank speed in rad/s.
-    top : float
-        Highest frequency of the axes in Hz.
-    """
-    kept: dict[int, tuple[float, float]] = {}
-    for order in sorted(orders, reverse=True):
-        # A ray ends at the right edge, or where it leaves the axes at their top.
-        along = min(1.0, 2 * np.pi * top / (order * fastest)) if fastest else 1.0
-        place = along, order * along * fastest / (2 * np.pi * top)
-        if all(max(abs(place[n] - other[n]) for n in (0, 1)) > _APART for other in kept.values()):
-            kept[order] = place
-    return set(kept)
-
-
-def _critical(data: xr.Dataset, unit: str) -> list[panel.Trace]:
-    """Parts of rays that are inside bands, with gaps between them."""
-    x, y = list[float](), list[float]()
-    for _, ends, ray in critical_stretches(data):
-        x += [*(from_si(end, unit) for end in ends.tolist()), np.nan]
-        y += [*ray.tolist(), np.nan]
-    line = panel.Trace("critical speed", np.array(x), np.array(y), "critical", "solid", 3.5)
-    return [line] if x else []
 
 
 def _critical_table(data: xr.Dataset, unit: str) -> Table:
@@ -351,30 +262,3 @@ def _critical_table(data: xr.Dataset, unit: str) -> Table:
             "nowhere and is this far from it"
         ),
     )
-
-
-def _growth(data: xr.Dataset) -> list[panel.Trace]:
-    """Growth and modulus of every engine."""
-    traces = []
-    for number, engine in enumerate(names_of(data, "engine")):
-        speed, *curves = growth_curve(data, number)
-        followed: dict[str, str] | None = None if number else {}
-        for axis, values in enumerate(curves):
-            line = panel.Trace(engine, speed, values, number, axis=axis, legend=axis == 0)
-            traces.append(replace(line, followed=followed))
-    return traces
-
-
-def _filled(bands: list[UnstableBand]) -> list[panel.Trace]:
-    """Unstable bands, filled up to their greatest growth rate."""
-    traces, named, kinds = [], set[str](), list(KINDS)
-    for band in bands:
-        name, color = f"band: {KINDS[band.kind][0]}", series_style(kinds.index(band.kind)).color
-        if band.kind == "unnamed":
-            name, color = "band without a name", "#6e6e6e"
-        x = np.array([band.low, band.low, band.high, band.high, band.low])
-        y = band.growth * np.array([0.0, 1.0, 1.0, 0.0, 0.0])
-        fill, legend = _translucent(color, 0.3), name not in named
-        traces.append(panel.Trace(name, x, y, fill, width=0.8, fill="itself", legend=legend))
-        named.add(name)
-    return traces

@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 
 from flexmech.analyses import ModelCheck, MoistureUptake, SectionProfiles
 from flexmech.analyses.check.section_profiles import property_table
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
+from flexmech.plots.picture import Curve, Pane, Picture
 from flexmech.plots.reading import names_of
+from flexmech.plots.section import profile_pane, uptake_pane
+from flexmech.plots.style import series_line
 from flexmech.report.last_turn import thinning
-from flexmech.report.panel import FRAME_HEIGHT, Look, Panel, Plot, Trace, YAxis, panel_of, shows
+from flexmech.report.panel import Panel, panel_of, shows
+from flexmech.report.plotted import Plot, plotted
 from flexmech.report.results import Results, state_of
-from flexmech.units import from_si
 
 # Variable, number of the unit load, title of the axis, and its units in a Pa.
 LOADS = (
     ("normal_stress", 0, "σ by N (kPa)", 1e-3),
     ("normal_stress", 1, "σ by M (MPa)", 1e-6),
     ("shear_stress", 2, "τ by V (kPa)", 1e-3),
-)
-# Uptake by finite volumes and by formulas: variable, what it is by, and look.
-LAWS: tuple[tuple[str, str, Look], ...] = (
-    ("uptake", "", "solid"),
-    ("short_time_uptake", "law of the root of time", "dash"),
-    ("shen_springer_uptake", "Shen and Springer", "dot"),
 )
 # Stresses nearer to each other than this part of the greatest are the same, but for round-off.
 SAME = 1e-9
@@ -64,28 +64,17 @@ def section_panel(result: SectionProfiles, results: Results) -> Panel:
 
 
 def _plot(result: SectionProfiles, link: str, number: int) -> Plot:
-    curves = _curves(result.profile(link))
-    traces = [
-        Trace(
-            name,
-            *_along(one, variable, load, coupling, factor),
-            colour=column,
-            look="dash" if coupling == "without" else "solid",
-            axis=axis,
-            legend=axis == 0 and len(curves) > 1,
-        )
-        for axis, (variable, load, _, factor) in enumerate(LOADS)
-        for column, (name, coupling, one) in enumerate(curves)
-    ]
-    return Plot(
-        f"section-{number + 1}",
-        "y from the pins' axis (mm)",
-        tuple(YAxis(title) for _, _, title, _ in LOADS),
-        tuple(traces),
-        f"Stress through the thickness of the {link} under unit loads N, M and V",
-        height=400,
-        title=f"Stress in the {link}",
-    )
+    curves, panes = _curves(result.profile(link)), []
+    for variable, load, label, factor in LOADS:
+        lines = []
+        for column, (name, coupling, one) in enumerate(curves):
+            x, y = _along(one, variable, load, coupling, factor)
+            look = series_line(column) | {"ls": "--" if coupling == "without" else "-"}
+            lines.append(Curve(x, y, look, name if len(curves) > 1 else ""))
+        panes.append(Pane(label, lines))
+    along = "y from the pins' axis (mm)"
+    picture = Picture(panes, along, result.dataset)
+    return plotted(f"section-{number + 1}", picture, f"Stress in the {link}")
 
 
 def _curves(one: xr.Dataset) -> list[tuple[str, str, xr.Dataset]]:
@@ -129,60 +118,18 @@ def moisture_panel(result: MoistureUptake, results: Results) -> Panel:
     """Uptake over the root of time, and profiles through the thickness."""
     data, kept = result.dataset, thinning(result.dataset.sizes["time"])
     thinned = f"{len(kept)} of {data.sizes['time']} times of the uptake are kept"
+
+    def plot(name: str, make: Callable[[xr.Dataset, str], Pane], title: str) -> Plot:
+        panes = tuple(make(data.isel(time=kept), link) for link in names_of(data, "link"))
+        named = tuple(replace(pane, label=pane.title) for pane in panes)
+        picture = Picture(named, panes[0].along, data)
+        return plotted(name, picture, f"{title}: {panes[0].label.lower()}")
+
     return panel_of(
         "moisture",
         result.summary(),
-        plots=(_uptake(data, kept), _profiles(data)),
+        plots=(plot("uptake", uptake_pane, "Uptake"), plot("profiles", profile_pane, "Profiles")),
         thinned=(thinned,) if len(kept) < data.sizes["time"] else (),
-    )
-
-
-def _uptake(data: xr.Dataset, kept: IntArray) -> Plot:
-    root = np.sqrt([from_si(float(time), "day") for time in data["time"].values[kept]])
-    traces = [
-        Trace(
-            link if name == LAWS[0][0] else words,
-            root,
-            data[name].sel(link=link).values[kept],
-            number,
-            look,
-            legend=name == LAWS[0][0] or number == 0,
-        )
-        for number, link in enumerate(names_of(data, "link"))
-        for name, words, look in LAWS
-    ]
-    return Plot(
-        "uptake",
-        "Root of time (√day)",
-        (YAxis("Uptake over equilibrium"),),
-        tuple(traces),
-        "Uptake of water of each link against the root of time",
-        height=380,
-        title="Uptake",
-    )
-
-
-def _profiles(data: xr.Dataset) -> Plot:
-    links = names_of(data, "link")
-    traces = []
-    for axis, link in enumerate(links):
-        own = data.sel(link=link)
-        for time in range(own.sizes["profile_time"]):
-            one = own.isel(profile_time=time)
-            days = from_si(float(one["profile_time"]), "day")
-            place, water = 1e3 * one["place"].values, 100 * one["profile"].values
-            known = np.isfinite(place) & np.isfinite(water)
-            name = f"after {days:.3g} d"
-            line = place[known], water[known]
-            traces.append(Trace(name, *line, colour=time, axis=axis, legend=axis == 0))
-    return Plot(
-        "profiles",
-        "Place from the middle (mm)",
-        tuple(YAxis(f"{link} (%)") for link in links),
-        tuple(traces),
-        "Moisture of the resin through the thickness of each link at some times",
-        height=FRAME_HEIGHT + 150 * len(links),
-        title="Moisture through the thickness",
     )
 
 

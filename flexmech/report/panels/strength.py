@@ -6,30 +6,15 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import Strength
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.plots.picture import Choice, Curve, Pane, Picture, Span, joined, over_angles
 from flexmech.plots.reading import names_of
-from flexmech.plots.strength import FAILS
-from flexmech.report.last_turn import LastTurn, over_a_turn
-from flexmech.report.panel import (
-    FRAME_HEIGHT,
-    GREY,
-    Choice,
-    Panel,
-    Plot,
-    Trace,
-    YAxis,
-    further_lines,
-    over_angle,
-    panel_of,
-)
+from flexmech.plots.strength import FAILS, FORCES
+from flexmech.plots.style import MID_GREY, series_line
+from flexmech.report.last_turn import over_a_turn
+from flexmech.report.panel import Panel, further_lines, panel_of
+from flexmech.report.plotted import plotted
 from flexmech.report.results import Results, speed_name, speed_unit_of
-
-# Internal forces: variable and title of the axis.
-FORCES = (
-    ("axial_force", "N (N)"),
-    ("shear_force", "V (N)"),
-    ("bending_moment", "M (N m)"),
-)
 
 
 def strength_panel(results: Results) -> Panel | None:
@@ -40,7 +25,7 @@ def strength_panel(results: Results) -> Panel | None:
     found = results.of_kind(Strength)
     if not found:
         return None
-    used, forces, thinned = list[Trace](), list[Trace](), list[str]()
+    used, forces, thinned = list[Curve](), list[tuple[Choice, Picture]](), list[str]()
     said = [result.summary() for result in found]
     names = _distinct(found, results)
     for result, name in zip(found, names, strict=True):
@@ -50,18 +35,26 @@ def strength_panel(results: Results) -> Panel | None:
             when = {"engine": engine} if data.sizes["engine"] > 1 else {}
             own = data.sel(engine=engine)
             used += _used(own, name, when)
-            forces += _forces(own, turn, name, when)
+            forces.append((when, _forces(own, turn.angle, turn.kept, name)))
         if turn.left_out:
             thinned.append(
                 f"strength{name}: {len(turn.angle)} of {turn.samples} samples of the last turn "
                 "are kept"
             )
-    links = list(dict.fromkeys(link for each in found for link in _judged(each.dataset)))
+    limit = Span(FAILS, FAILS, {"color": MID_GREY, "lw": 0.8, "ls": ":"}, "fails")
+    pane = Pane("1 / load factor (%)", used, spans=(limit,))
+    along = "Place from the link's start (mm)"
+    picture = Picture([pane], along, found[0].dataset)
     return panel_of(
         "strength",
         answer=_told(names, [one.answer for one in said]),
         # Where pins alone are judged there is nothing along the links.
-        plots=(_used_plot(used, links), _forces_plot(forces, links)) if links else (),
+        plots=(
+            plotted("strength-used", picture, "Strength used along the links"),
+            plotted("internal-forces", joined(forces), forces[0][1].title),
+        )
+        if used
+        else (),
         tables=tuple(one.table for one in said if one.table is not None),
         lines=_told(names, [further_lines(one) for one in said]),
         warnings=_told(names, [one.warnings for one in said]),
@@ -102,9 +95,9 @@ def _least(own: xr.Dataset, link: str) -> FloatArray:
     return np.asarray(np.nanmin(np.where(np.isnan(factor), np.inf, factor), axis=(1, 2)))
 
 
-def _used(own: xr.Dataset, name: str, when: Choice) -> list[Trace]:
+def _used(own: xr.Dataset, name: str, when: Choice) -> list[Curve]:
     """Strength used along each link in percent, at the worst crank angle of each place."""
-    traces = []
+    curves = []
     links = names_of(own, "link")
     for link in _judged(own):
         place = 1e3 * own["position"].sel(link=link).values
@@ -113,56 +106,22 @@ def _used(own: xr.Dataset, name: str, when: Choice) -> list[Trace]:
             percent = FAILS / _least(own, link)[known]
         # What breaks without any load has no end.
         percent[np.isinf(percent)] = np.nan
-        number = links.index(link)
-        traces.append(Trace(f"{link}{name}", place[known], percent, number, when=when))
-    return traces
+        look = series_line(links.index(link))
+        curves.append(Curve(place[known], percent, look, f"{link}{name}", when=when))
+    return curves
 
 
-def _used_plot(traces: list[Trace], links: list[str]) -> Plot:
-    longest = max(trace.x.max() for trace in traces)
-    line = np.array([0.0, longest]), np.full(2, FAILS)
-    limit = Trace("fails", *line, GREY, "dot", 1.0)
-    return Plot(
-        "strength-used",
-        "Place from the link's start (mm)",
-        (YAxis("1 / load factor (%)"),),
-        (*traces, limit),
-        f"Part of the strength that loads use along {', '.join(links)}, at the worst layer and "
-        "crank angle of each place; at 100 percent a link fails",
-        title="Strength used along the links",
-    )
-
-
-def _forces_plot(traces: list[Trace], links: list[str]) -> Plot:
-    return over_angle(
-        "internal-forces",
-        tuple(YAxis(title) for _, title in FORCES),
-        traces,
-        text="Axial force, shear force and bending moment over the crank angle at the worst place "
-        f"of {', '.join(links)}",
-        height=FRAME_HEIGHT + 110 * len(FORCES),
-        title="Internal forces at each link's worst place",
-    )
-
-
-def _forces(own: xr.Dataset, turn: LastTurn, name: str, when: Choice) -> list[Trace]:
+def _forces(own: xr.Dataset, angle: FloatArray, kept: IntArray, name: str) -> Picture:
     """Internal forces over the turn where each link is nearest to failure."""
-    traces, links = list[Trace](), names_of(own, "link")
-    for link in _judged(own):
-        station, number = int(_least(own, link).argmin()), links.index(link)
-        place = 1e3 * float(own["position"].sel(link=link)[station])
-        for axis, (variable, _) in enumerate(FORCES):
-            values = own[variable].sel(link=link).transpose("crank_angle", "station").values
-            traces.append(
-                Trace(
-                    f"{link}{name}, {place:.4g} mm",
-                    turn.angle,
-                    turn.of(values[:, station]),
-                    number,
-                    when=when,
-                    followed={},
-                    axis=axis,
-                    legend=axis == 0,
-                )
-            )
-    return traces
+    panes = []
+    for variable, words, units in FORCES:
+        curves = []
+        for link in _judged(own):
+            station, here = int(_least(own, link).argmin()), own.sel(link=link)
+            place = 1e3 * float(here["position"][station])
+            values = here[variable].isel(station=station).values[kept]
+            look = series_line(names_of(own, "link").index(link))
+            curves.append(Curve(angle, values, look, f"{link}{name}, {place:.4g} mm"))
+        panes.append(Pane(words, curves, units))
+    title = "Internal forces at each link's worst place"
+    return over_angles(angle, panes, own, title)

@@ -1,7 +1,5 @@
   // ---- plots ---------------------------------------------------------------------------------
 
-  const DASHES = { dash: "dash", dot: "dot", dashdot: "dashdot" };
-
   function colourOf(colour) {
     if (colour === "critical") return "rgb(1, 1, 1)";
     return typeof colour === "number" ? page.colours[colour % page.colours.length] : colour;
@@ -14,9 +12,9 @@
     return {
       type: "scatter", name: trace.name, legendgroup: trace.name, showlegend: trace.legend,
       x: arrays[trace.x], y: arrays[trace.y], yaxis: `y${axis}`, xaxis: "x",
-      mode: trace.look === "points" ? "markers" : "lines", visible: isChosen(trace.when),
-      line: { color: filled ? "rgba(0,0,0,0)" : colour, width: trace.width, dash: DASHES[trace.look] || "solid", simplify: false },
-      marker: { color: colour, size: trace.look === "points" ? Math.max(5, trace.width) : 5 },
+      mode: trace.look === "points" ? "markers" : trace.symbol ? "lines+markers" : "lines", visible: isChosen(trace.when),
+      line: { color: trace.fill === "to previous" ? "rgba(0,0,0,0)" : colour, width: trace.width, dash: trace.look === "points" ? "solid" : trace.look, simplify: false },
+      marker: { color: colour, symbol: trace.symbol || "circle", size: trace.look === "points" ? Math.max(5, trace.width) : 5 },
       fill: { none: "none", "to previous": "tonexty", itself: "toself" }[trace.fill],
       fillcolor: filled ? colour : undefined, hoverinfo: filled ? "skip" : "x+y+name",
       connectgaps: false, ...labelOf(trace),
@@ -33,7 +31,7 @@
   function plotlyLayout(spec, width) {
     const count = spec.axes.length;
     const layout = {
-      margin: { l: 70, r: 14, t: 8, b: 46 }, height: spec.height, width,
+      margin: { l: spec.axes.some((axis) => axis.title.includes("<br>")) ? 84 : 70, r: spec.traces.some((trace) => trace.label) ? 58 : 14, t: 8, b: 46 }, height: spec.height, width,
       paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
       font: { family: "system-ui, sans-serif", size: 12 }, hovermode: "closest",
       legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom", font: { size: 12 } },
@@ -41,17 +39,23 @@
       dragmode: width < 500 ? false : "zoom",
     };
     if (spec.tick) layout.xaxis.dtick = spec.tick;
+    if (spec.named.length) Object.assign(layout.xaxis, { tickvals: spec.named.map((_, n) => n + 1), ticktext: spec.named });
+    if (spec.ends.length) layout.xaxis.range = spec.ends;
     const legend = spec.traces.some((trace) => trace.legend);
     layout.showlegend = legend;
     if (legend) layout.margin.t = 34;
+    const whole = spec.axes.reduce((sum, axis) => sum + axis.height, 0);
+    let top = 1;
     spec.axes.forEach((axis, n) => {
-      const top = 1 - n / count;
+      const part = axis.height / whole;
       const name = n ? `yaxis${n + 1}` : "yaxis";
       layout[name] = {
-        title: { text: axis.title, standoff: 14 }, domain: [top - 1 / count + (n < count - 1 ? 0.03 : 0), top],
+        title: { text: axis.title, standoff: 14 }, domain: [Math.max(top - part + (n < count - 1 ? 0.03 : 0), 0), top],
         type: axis.logarithmic ? "log" : "linear", zeroline: false, showline: true, ticks: "outside", nticks: count > 1 ? 4 : 7, ticklabeloverflow: "allow",
         exponentformat: "power",
       };
+      if (axis.ends.length) layout[name].range = axis.ends;
+      top -= part;
     });
     if (spec.equal) Object.assign(layout.yaxis, { scaleanchor: "x", scaleratio: 1 });
     return layout;
@@ -90,7 +94,7 @@
     for (const dot of plot.dots) dot.circle.remove();
     plot.dots = plot.spec.traces
       .filter((trace) => trace.followed && isChosen(trace.when) && isChosen(trace.followed))
-      .map((trace) => ({ trace, circle: element("circle", { r: 4, style: typeof trace.colour === "number" ? `stroke:${colourOf(trace.colour)}` : "" }, plot.cursors) }));
+      .map((trace) => ({ trace, circle: element("circle", { r: 4, style: trace.colour === "critical" ? "" : `stroke:${colourOf(trace.colour)}` }, plot.cursors) }));
     const shown = plot.spec.traces.some((trace) => isChosen(trace.when));
     plot.nothing.textContent = shown ? "" : `nothing was computed for ${["speed", "engine", "state"].map((key) => chosen[key]).filter(Boolean).join(", ")}`;
   }

@@ -1,0 +1,260 @@
+"""Pictures drawn by matplotlib: their panes, axes, legend, and lines that vibrate fast."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from matplotlib import rcParams, rcParamsDefault
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from flexmech.arrays import FloatArray
+from flexmech.plots import angle_panels, scales
+from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet
+from flexmech.plots.picture import Curve, Pane, Picture, Span
+from flexmech.plots.reading import spread
+from flexmech.plots.style import MID_GREY, Look, line_handle
+
+# Width in points of a line with at most so many turning points in a panel of 450 points' width, so
+# that waves stay apart.
+LINE_WIDTHS = ((80, 1.1), (350, 0.7), (np.inf, 0.5))
+# Of a line with more turning points in a panel of that width the waves run together into a blot:
+# its envelope is drawn, by the least and greatest value in each of so many stretches.
+MOST_TURNING_POINTS, STRETCHES = 700, 300
+ENVELOPE: Look = {"alpha": 0.25, "lw": 0.0}
+# Between turning points a line goes up or down by this part of its panel, less is hardly seen.
+RIPPLE = 0.03
+# Width of a panel over that of the figure, of one that has a row for itself.
+ALONE = float(rcParamsDefault["figure.subplot.right"] - rcParamsDefault["figure.subplot.left"])
+# Opacity of a line that turns at more than a third of its samples, so that each wave has less than
+# six, and at more than so many places: it is a band, through which others are seen.
+VEIL = 0.6
+# Of a label in inches, with some room.
+LABEL_HEIGHT = 0.1
+# Of looks, what says where something is drawn.
+NOT_IN_LEGEND = ("zorder", "ymax", "markevery", "clip_on")
+MOST_TURNING, LEAST_VEILED = 0.33, 100
+
+
+def draw(
+    picture: Picture,
+    layout: Layout,
+    *,
+    ax: AxesLike | None = None,
+    fewer: str = "",
+    legend: Sequence[Artist] | None = None,
+    by_hand: int = 0,
+    after: int = 0,
+    finish: Callable[[Sheet], None] | None = None,
+) -> Figure:
+    """Draw a picture into a new figure, or into the user's axes.
+
+    Parameters
+    ----------
+    picture : Picture
+    layout : Layout
+        Of a new figure.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a pane.
+    fewer : str
+        Choice that leaves one pane, for the message.
+    legend : sequence of Artist, optional
+        Left out: the names of curves and spans, once.
+    by_hand, after : int
+        Panels before and after those of the picture, which it does not hold.
+    finish : callable, optional
+        Draws them, and what else no picture holds, at the end.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If ``ax`` is not as many Axes as there are panes.
+    """
+    picture = picture.in_units()
+    with sheet(layout, ax=ax, fewer=fewer) as drawn:
+        handles = _legend(picture) if legend is None else list(legend)
+        if any(_is_blot(drawn.panels[0], one) for pane in picture.panes for one in pane.curves):
+            handles.append(Patch(color="0.35", label="envelope of the vibration", **ENVELOPE))
+        drawn.header(handles, picture.title, of=picture.of)
+        own = drawn.panels[by_hand : len(drawn.panels) - after]
+        _draw_panes(replace(drawn, panels=own), picture)
+        if finish is not None:
+            finish(drawn)
+    return drawn.figure
+
+
+def _draw_panes(drawn: Sheet, picture: Picture) -> None:
+    """Draw the panes of a picture in their units, and scale and label all axes."""
+    if picture.over == "angle":
+        angle_panels.label_angles(drawn, picture.places)
+    elif picture.over == "time":
+        scales.label_times(drawn, picture.of)
+    elif picture.over == "speed":
+        for axes in drawn.panels:
+            axes.set_xlim(*scales.speed_limits(picture.of))
+    elif picture.places.size:
+        for axes in drawn.panels:
+            axes.set_xlim(float(picture.places[0]), float(picture.places[-1]))
+    for axes, pane in zip(drawn.panels, picture.panes, strict=True):
+        draw_pane(axes, pane)
+        if pane.title:
+            drawn.title(axes, pane.title)
+    if picture.x_label:
+        drawn.label_x(picture.x_label)
+    if picture.y_label:
+        drawn.label_y(picture.y_label)
+    if picture.over == "speed":
+        scales.second_speed_axis(drawn.panels[0], picture.of)
+
+
+def _legend(picture: Picture) -> list[Artist]:
+    """Entries of curves and spans in order, those of one name once."""
+    named: dict[str, list[Curve | Span]] = {}
+    for kind in ("curves", "spans"):
+        for pane in picture.panes:
+            for one in getattr(pane, kind):
+                named.setdefault(one.name, []).append(one)
+    return [_entry(same) for name, same in named.items() if name]
+
+
+def _entry(same: Sequence[Curve | Span]) -> Artist:
+    """What the legend has of curves or spans of one name: bands of several colours are grey."""
+    one = same[0]
+    filled = one.is_filled if isinstance(one, Span) else one.upto is not None
+    look = {key: value for key, value in one.look.items() if key not in NOT_IN_LEGEND}
+    if not filled:
+        return line_handle(one.name, **look)
+    if any(other.look.get("color") != look.get("color") for other in same):
+        look["color"] = MID_GREY
+    return Patch(label=one.name, **look)
+
+
+def draw_pane(axes: Axes, pane: Pane) -> None:
+    """Draw the spans and curves of a pane, and scale and label its axis along y.
+
+    Parameters
+    ----------
+    axes : Axes
+    pane : Pane
+        In its unit.
+    """
+    for span in pane.spans:
+        if span.is_filled:
+            fill = axes.axvspan if span.upright else axes.axhspan
+            fill(span.low, span.high, **span.look)
+        else:
+            line = axes.axvline if span.upright else axes.axhline
+            line(span.low, **span.look)
+    for number, curve in enumerate(pane.curves):
+        if curve.upto is not None:
+            axes.fill_between(curve.x, curve.y, curve.upto, **curve.look)
+        elif curve.wave:
+            _draw_wave(axes, curve, filled=number == 0)
+        else:
+            axes.plot(curve.x, curve.y, **curve.look)
+            _mark_lone_points(axes, curve)
+    if pane.scale != "linear":
+        low, high = pane.limits or axes.get_ylim()
+        scales.log_scale(axes, low, high, plain=pane.scale == "plain log")
+    else:
+        scales.plain_numbers(axes)
+        if pane.limits:
+            axes.set_ylim(*pane.limits)
+    if pane.ticks:
+        axes.set_yticks(pane.ticks)
+    if pane.named:
+        axes.set_xticks(range(1, len(pane.named) + 1), pane.named)
+    if pane.along:
+        axes.set_xlabel(pane.along)
+    _label_ends(axes, pane)
+    if pane.label:
+        axes.set_ylabel(pane.label)
+
+
+def _label_ends(axes: Axes, pane: Pane) -> None:
+    """Write what stands at the ends of curves: beside the axes, apart from each other, or in them.
+
+    A curve that leaves the axes at their top has its label to the left of it, as above may stand
+    another axis.
+    """
+    look: Look = {"textcoords": "offset points", "color": MID_GREY}
+    look["fontsize"] = rcParams["xtick.labelsize"]
+    right = axes.get_xlim()[1]
+    named = [one for one in pane.curves if one.label and np.isfinite(one.y[-1])]
+    aside = sorted((float(one.y[-1]), one.label) for one in named if one.x[-1] >= right)
+    height = axes.get_position().height * axes.figure.bbox.height / axes.figure.dpi
+    least = LABEL_HEIGHT / height * float(np.ptp(axes.get_ylim()))
+    places = spread(np.array([end for end, _ in aside]), least)
+    for place, (_, label) in zip(places, aside, strict=True):
+        beside: Look = {"xycoords": ("axes fraction", "data"), "va": "center"}
+        axes.annotate(label, (1.0, place), xytext=(4, 0), **beside, **look)
+    for one in named:
+        if one.x[-1] < right:
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
+            place = float(one.x[-1]), float(one.y[-1])
+            inside: Look = {"xytext": (-2, -3), "ha": "right", "va": "top", "bbox": box}
+            axes.annotate(one.label, place, **inside, **look)
+
+
+def _mark_lone_points(axes: Axes, curve: Curve) -> None:
+    """Draw a dot where a value of a named line stands alone, between others that are not known."""
+    if curve.look.get("marker") or not curve.name or len(curve.x) < 2:
+        return
+    present = np.concatenate([[False], np.isfinite(curve.y), [False]])
+    alone = present[1:-1] & ~present[:-2] & ~present[2:]
+    if alone.any():
+        axes.plot(curve.x[alone], curve.y[alone], ".", color=curve.look["color"], ms=3)
+
+
+def _draw_wave(axes: Axes, curve: Curve, *, filled: bool) -> None:
+    """Draw a line against time that may vibrate faster than its panel can show.
+
+    Lines become thinner the more vibrations stand side by side, and translucent where they
+    are faster than the samples tell apart: a band through which other lines can be seen. Of
+    more vibrations than a panel can show the envelope is drawn.
+    """
+    if _is_blot(axes, curve):
+        time, low, high = _envelope(curve.x, curve.y)
+        if filled:
+            axes.fill_between(time, low, high, color=curve.look["color"], **ENVELOPE)
+        for edge in (low, high):
+            axes.plot(time, edge, **(curve.look | {"lw": LINE_WIDTHS[1][1]}))
+        return
+    turns = _turning_points(curve.y)
+    width = next(width for most, width in LINE_WIDTHS if turns <= _room(axes) * most)
+    opacity = VEIL if turns > max(MOST_TURNING * curve.y.size, LEAST_VEILED) else 1.0
+    wider = curve.wave if opacity == 1.0 else 1.0
+    axes.plot(curve.x, curve.y, **curve.look, lw=wider * width, alpha=opacity)
+
+
+def _is_blot(axes: Axes, curve: Curve) -> bool:
+    """Whether the waves of a line run together in a panel."""
+    return bool(curve.wave) and _turning_points(curve.y) > _room(axes) * MOST_TURNING_POINTS
+
+
+def _room(axes: Axes) -> float:
+    """Width of a panel over that of one that has a row for itself, at most 1."""
+    return min(1.0, axes.get_position(original=True).width / ALONE)
+
+
+def _turning_points(line: FloatArray) -> int:
+    """How often a line turns from rising to falling or back, but for ripples."""
+    turns = line[np.flatnonzero(np.diff(np.sign(np.diff(line)))) + 1]
+    return int(np.count_nonzero(np.abs(np.diff(turns)) > RIPPLE * np.ptp(line)))
+
+
+def _envelope(time: FloatArray, line: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Times, and the least and greatest value of a line about each of them."""
+    starts = np.linspace(0, line.size, STRETCHES, endpoint=False).astype(int)
+    low, high = (one.reduceat(line, starts) for one in (np.minimum, np.maximum))
+    middle = (starts + np.append(starts[1:], line.size) - 1) // 2
+    # From the first to the last sample.
+    return np.r_[time[0], time[middle[1:-1]], time[-1]], low, high
