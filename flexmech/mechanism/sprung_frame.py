@@ -197,25 +197,3 @@ class SprungFrame:
             "centre": [quantity(value, units.LENGTH) for value in self.centre],
             "springs": [spring.to_table() for spring in self.springs],
         }
-
-
-def require_standing_frame(frame: SprungFrame | None, what: str = "this computation") -> None:
-    """Refuse a frame on springs where the linkage is on the ground.
-
-    Parameters
-    ----------
-    frame : SprungFrame or None
-    what : str
-        Computation in which it is.
-
-    Raises
-    ------
-    InputError
-        If there is one.
-    """
-    if frame is not None:
-        raise InputError(
-            f"frame: {what} is not computed of a linkage whose frame is on springs; leave the "
-            "table [frame] out, or ask for a shaft that turns as prescribed and motion about the "
-            "equilibrium"
-        )

@@ -17,7 +17,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import Clamp, Drive
 from flexmech.linkages.motion import normal
-from flexmech.mechanism import Mechanism, require_standing_frame
+from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import RunningConnectors
 from flexmech.multibody.items import ItemNumber, Made, load_exudyn
@@ -108,8 +108,6 @@ class RunningModel:
         self._motor = torque if isinstance(torque, MotorOnHub) else None
         self.frame = FrameBody.of(mechanism, assembly.items, assembly.system_size)
         assembly.frame = self.frame
-        if torque is not None:
-            require_standing_frame(mechanism.frame, "a run with a free shaft")
         self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
         self.shaft = Shaft(
             float(self._start.angle[assembly.base]),
@@ -205,9 +203,20 @@ class RunningModel:
         multiplier : ndarray, shape (m, n_multipliers)
         """
         if self.torque is not None:
-            return self.torque.torque_at(time, position, velocity)
+            return self.torque.torque_at(time, *self.against_frame(position, velocity))
         assert self.drive_constraint is not None
         return -multiplier[:, self._multipliers(self.drive_constraint)[0]]
+
+    def against_frame(
+        self, position: FloatArray, velocity: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Coordinates (m, n) and their rates with the hub's rotation against its frame."""
+        if self.frame is None:
+            return position, velocity
+        moved = self.frame.motion(position, velocity)
+        pair = ((position, moved.displacement), (velocity, moved.rate))
+        place, rate = (np.column_stack([q[:, :-1], q[:, -1] - f[:, 2]]) for q, f in pair)
+        return place, rate
 
     def set_start(
         self, position: FloatArray, velocity: FloatArray, moved: FrameMotion | None = None
@@ -223,25 +232,26 @@ class RunningModel:
         Returns
         -------
         ndarray, shape (n,)
-            Exudyn's coordinates: of links and attached bodies, of a motor or of a frame on
-            springs, and of the hub, which come last.
+            Exudyn's coordinates: of links and attached bodies, of a frame on springs, of a motor,
+            and of the hub, which come last.
         ndarray, shape (n,)
             Their rates.
         """
         nodes = self.assembly.nodes.to_nodes(position)
         velocity = self.assembly.nodes.rate_to_nodes(position, velocity)
-        hub, turning, between = np.zeros(3), np.zeros(3), (np.zeros(0), np.zeros(0))
+        hub, turning, motor = np.zeros(3), np.zeros(3), (np.zeros(0), np.zeros(0))
         if self._motor is not None:
-            between = self._motor.start(self.shaft.angle(0.0))
+            motor = self._motor.start(self.shaft.angle(0.0))
         if self.frame is not None:
             assert moved is not None
-            between = moved.displacement[0], moved.rate[0]
+            nodes = np.append(nodes, moved.displacement[0])
+            velocity = np.append(velocity, moved.rate[0])
             hub[:2], turning[:2] = self.frame.at(_AXIS, moved)
-            hub[2], turning[2] = between[0][2], between[1][2]
+            hub[2], turning[2] = moved.displacement[0, 2], moved.rate[0, 2]
         hub[2] += self.shaft.angle(0.0)
         turning[2] += self.shaft.motion(0.0)[1]
-        coordinates = np.concatenate([nodes, between[0], hub])
-        rates = np.concatenate([velocity, between[1], turning])
+        coordinates = np.concatenate([nodes, motor[0], hub])
+        rates = np.concatenate([velocity, motor[1], turning])
         initial = load_exudyn().ConfigurationType.Initial
         data = self.assembly.mbs.systemData
         data.SetODE2Coordinates(coordinates, initial)
@@ -300,17 +310,23 @@ class RunningModel:
         inertia = 0.0 if torque is None else float(assembly.mechanism.shaft_inertia)
         hub = items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=inertia)
         if isinstance(torque, MotorOnHub):
-            torque.add_object(items, of_motor, node)
+            below = None if self.frame is None else self.frame.node
+            torque.add_object(items, of_motor, node, below)
         elif torque is not None:
-            rows = np.pad(torque.torque[:, None], ((0, 0), (2, 0))).tolist()
-            history = self.shaft, 0.0, "time", torque.time.tolist(), rows, True
-            items.add(
-                "LoadTorqueVector",
-                "crank_drive",
-                markerNumber=on_hub,
-                loadVector=[0.0, 0.0, 1.0],
-                loadVectorUserFunction=Made(load_history, history),
-            )
+            on = [("crank_drive", on_hub, 1.0)]
+            if self.frame is not None:
+                reaction = self.frame.add_marker(_AXIS, "crank_drive_on_frame")
+                on.append(("crank_drive_reaction", reaction, -1.0))
+            for name, marker, sign in on:
+                rows = np.pad(sign * torque.torque[:, None], ((0, 0), (2, 0))).tolist()
+                history = self.shaft, 0.0, "time", torque.time.tolist(), rows, True
+                items.add(
+                    "LoadTorqueVector",
+                    name,
+                    markerNumber=marker,
+                    loadVector=[0.0, 0.0, 1.0],
+                    loadVectorUserFunction=Made(load_history, history),
+                )
         return hub, drive
 
     def _turning(self) -> dict[str, Any]:

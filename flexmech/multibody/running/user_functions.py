@@ -74,9 +74,9 @@ class Shaft:
             return angle, speed / duration, gain / duration**2
         return angle + self.final_speed * after, self.final_speed, 0.0
 
-    def hub_angle(self, position: Any, t: float) -> float:
-        """Angle of the hub, whose coordinate is the last one of the system."""
-        return float(position[-1]) if self.is_free else self.angle(t)
+    def hub_angle(self, position: Any, t: float, below: float = 0.0) -> float:
+        """Angle of the hub, whose coordinate is the last, against what has turned below it."""
+        return float(position[-1]) - below if self.is_free else self.angle(t)
 
     def constraint_angle(self, mbs: Any, t: float, number: int, offset: float) -> float:
         """User function of a constraint: its offset.
@@ -415,7 +415,8 @@ class ClosedJoints:
         below 1e-9 it is a hundredth or so, which the next step corrects. The hub's
         angle is the last coordinate.
         """
-        position[-1] = turn = self.shaft.hub_angle(position, t)
+        below = 0.0 if self.axis is None else self.axis.angle(position)
+        position[-1] = turn = self.shaft.hub_angle(position, t, below)
         if self.in_turn:
             for gap in self.gaps:
                 gap.close(position, turn)

@@ -25,7 +25,7 @@ from flexmech.threads import one_thread
 from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
 from flexmech.time_domain.periodic_motion.shooting import CRITICAL
-from flexmech.time_domain.recorded_runs.states import LinkState
+from flexmech.time_domain.recorded_runs.states import FrameMotion, LinkState
 
 logger = logging.getLogger(__name__)
 
@@ -58,7 +58,8 @@ class NonlinearOrbit:
     crank_speed : float
         In rad/s.
     independent : ndarray, shape (N, n)
-        Independent coordinates z of the unreduced links at crank angles ``2 pi k / N``.
+        Independent coordinates z of the unreduced links at crank angles ``2 pi k / N``, and of a
+        frame on springs.
     beyond_linear : tuple of ndarray, shape (N, n_link)
         Displacement of each link beyond that which is linear in z, by finite poses of rigid links.
     linkage : Linkage
@@ -106,7 +107,7 @@ class NonlinearOrbit:
         def with_rate(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
             return _at_angles(samples, angle), _at_angles(first @ samples, angle)
 
-        z, rate = with_rate(self.independent)
+        z, rate = with_rate(self.independent[:, : self.frames.size])
         moving = self.frames.link_motion(motion, z, rate, np.zeros_like(z))
         beyond = map(with_rate, self.beyond_linear)
         pairs = [
@@ -117,7 +118,18 @@ class NonlinearOrbit:
     def state(self, crank_angle: float) -> LinkState:
         """State of the links at a crank angle in rad."""
         displacement, rate = self.at([crank_angle])
-        return LinkState([q[0] for q in displacement], [v[0] for v in rate])
+        return LinkState(
+            [q[0] for q in displacement], [v[0] for v in rate], self.frame_motion([crank_angle])
+        )
+
+    def frame_motion(self, crank_angle: ArrayLike) -> FrameMotion | None:
+        """Motion of a frame on springs at crank angles (A,) in rad; None where it stands."""
+        moved = self.independent[:, self.frames.size :]
+        if not moved.size:
+            return None
+        angle = np.asarray(crank_angle, dtype=float)
+        first, _ = differentiation_matrices(len(moved), self.crank_speed)
+        return FrameMotion(_at_angles(moved, angle), _at_angles(first @ moved, angle))
 
 
 def _at_angles(z: FloatArray, crank_angle: FloatArray) -> FloatArray:
@@ -136,7 +148,7 @@ def nonlinear_orbit(
     Parameters
     ----------
     engine : Engine
-        With a prescribed shaft and a frame that stands.
+        With a prescribed shaft.
     crank_speed : float
         In rad/s, not zero.
     near : NonlinearOrbit, optional
@@ -151,8 +163,8 @@ def nonlinear_orbit(
     Raises
     ------
     InputError
-        If the speed is zero, the shaft free, the frame on springs, or what acts on the links does
-        not repeat itself every turn.
+        If the speed is zero, the shaft free, or what acts on the links does not repeat itself every
+        turn.
     ComputationError
         If no periodic motion is found, the crank speed is critical, or the harmonics do not
         fade out.
@@ -181,7 +193,7 @@ def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> N
     for count in (number for number in SAMPLES if number >= enough):
         equations = OrbitEquations(engine, crank_speed, count)
         still = _equilibrium(equations)
-        straight = np.zeros((count, equations.frames.size))
+        straight = np.zeros((count, equations.size))
         starts = [straight if still is None else _independent(equations, still)]
         if z is not None:
             starts.insert(0, _at_angles(z, equations.motion.crank_angle))
@@ -289,9 +301,12 @@ def _equilibrium(equations: OrbitEquations) -> list[FloatArray] | None:
 
 
 def _independent(equations: OrbitEquations, displacement: Sequence[FloatArray]) -> FloatArray:
-    """Independent coordinates z (N, n) of the displacement of each link, (N, n_link)."""
+    """Coordinates z (N, n) of the displacement of each link, (N, n_link), on a frame at rest."""
     columns = [q[..., None] for q in displacement]
-    return np.asarray(equations.frames.independent(equations.motion, columns)[..., 0], dtype=float)
+    z = np.zeros((equations.samples, equations.size))
+    own = equations.frames.size
+    z[:, :own] = equations.frames.independent(equations.motion, columns)[..., 0]
+    return z
 
 
 def _at_stations(equations: OrbitEquations, displacement: Sequence[FloatArray]) -> FloatArray:

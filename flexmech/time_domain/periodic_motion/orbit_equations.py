@@ -15,6 +15,14 @@ angles. That is exact for Exudyn's cables, whose coordinates are vectors; sectio
 of small rotations against their link frame. N is the derivative of the links' coordinates q by the
 independent ones z. Both are linear, but for rigid links and sliders, whose constraints hold at
 finite displacements.
+
+A frame on springs has three coordinates more at the end of z. The frames of the links move with it
+by any displacement and rotation: their inertia, weight and loads are those of the motion in ground
+axes. Its own rows balance its inertia, springs, dampers and weight with the resultants of inertia
+and loads of all links where these are displaced to. The moment of a link's inertia is that of the
+forces on its nodes, exact but for what shape functions bend between them. In Newton's matrices, and
+there alone, the coupling of the links with the frame is that of straight links and small rotations
+(:class:`flexmech.linear_system.CarriedLinkage`).
 """
 
 from __future__ import annotations
@@ -28,6 +36,7 @@ from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import differentiation_matrices
 from flexmech.linear_system import (
     AttachedPoint,
+    CarriedLinkage,
     ConnectedMatrices,
     DependentRows,
     DisplacedTies,
@@ -44,8 +53,8 @@ from flexmech.linear_system import (
     connected_matrices,
     with_rigid_links,
 )
-from flexmech.linkages import RigidMotion
-from flexmech.linkages.motion import direction
+from flexmech.linkages import RigidMotion, carried_motion, turned
+from flexmech.linkages.motion import cross, direction, normal
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors, LinkMotion
 
 FROZEN = RotationTerms.all_or_none(False)
@@ -78,7 +87,7 @@ class OrbitState:
     Parameters
     ----------
     z : ndarray, shape (N, n)
-        Independent coordinates of the unreduced links at the samples.
+        Independent coordinates of the unreduced links at the samples, and of a frame on springs.
     displacement, rate : list of ndarray, shape (N, n_link)
         Of each link in its frame, and its time derivative.
     beyond_linear : list of ndarray, shape (N, n_link)
@@ -120,9 +129,8 @@ def require_periodic_motion(engine: Engine) -> None:
     Raises
     ------
     InputError
-        If the frame is on springs, a load goes over time, or a spring is wound up turn by turn.
+        If a load goes over time, or a spring is wound up turn by turn.
     """
-    engine.require_standing_frame("a periodic motion at large displacements")
     DrivenConnectors(engine, engine.frames).require_periodic()
 
 
@@ -142,8 +150,12 @@ class OrbitEquations:
     ----------
     frames : LinkFrames
         Of the unreduced links.
+    carried : CarriedLinkage or None
+        With the frame on springs that carries the links.
+    size : int
+        Number n of coordinates.
     motion : RigidMotion
-        Batch of shape (N,).
+        Batch of shape (N,), on a frame that stands.
     first, second : ndarray, shape (N, N)
         See :func:`flexmech.dynamical_systems.differentiation_matrices`.
     load : ndarray, shape (N, n)
@@ -166,10 +178,15 @@ class OrbitEquations:
         )
         self.first, self.second = differentiation_matrices(samples, crank_speed)
         self._zero = [np.zeros((link.size, link.size)) for link in links]
-        self.mass = self.frames.assemble(self.motion, self._zero, FROZEN, self._zero).mass
+        self.carried = CarriedLinkage.of(engine.mechanism, self.frames, links)
+        still_links = self.frames.assemble(self.motion, self._zero, FROZEN, self._zero)
+        self.mass = self._carried(self.frames, still_links, FROZEN).mass
+        self.size = self.mass.shape[1]
         self._inertias = [LinkInertia.of(link, link, np.eye(link.size)) for link in links]
         loads = engine.connectors.with_inertia(links, self.motion)
         self.load = self.frames.gather(self.motion, loads)
+        if self.carried is not None:
+            self.load = np.concatenate([self.load, self.carried.load(self.motion)], axis=1)
         still = [np.zeros((samples, link.size)) for link in links]
         frames = self._frames_at(self._ties(np.zeros((samples, self.frames.size))))
         straight = self._stiffness(
@@ -189,7 +206,22 @@ class OrbitEquations:
         connected: ConnectedMatrices | None,
     ) -> FloatArray:
         total = frames.assemble(self.motion, tangent, FROZEN, self._zero).stiffness
-        return total if connected is None else total + connected.potential
+        if connected is not None:
+            total = total + connected.potential
+        if self.carried is None:
+            return total
+        more = self.size - total.shape[1]
+        total = np.pad(total, ((0, 0), (0, more), (0, more)))
+        total[:, -more:, -more:] = self.carried.frame.stiffness
+        return total
+
+    def _carried(
+        self, frames: LinkFrames, matrices: SystemMatrices, terms: RotationTerms
+    ) -> SystemMatrices:
+        """Matrices of the linkage with those of a frame on springs, if that carries it."""
+        if self.carried is None:
+            return matrices
+        return replace(self.carried, frames=frames).added(self.motion, matrices, terms)
 
     def error(self, residual: FloatArray) -> float:
         """Norm of forces (N, n) over that of the loads.
@@ -213,7 +245,11 @@ class OrbitEquations:
         OrbitState
         """
         velocity, acceleration = self.first @ z, self.second @ z
-        moving = self.frames.link_motion(self.motion, z, velocity, acceleration)
+        parts, motion = (z, velocity, acceleration), self.motion
+        moving = self.frames.link_motion(motion, *(part[:, : self.frames.size] for part in parts))
+        if self.carried is not None:
+            places = [part[:, self.frames.size :] for part in parts]
+            motion = carried_motion(self.carried.frame.centre, motion, *places)
         ties, beyond = self._ties(z), [np.zeros_like(q) for q, _, _ in moving]
         for more, (q, rate, change), of_link in zip(beyond, moving, ties.rows, strict=True):
             for tie in of_link:
@@ -224,11 +260,15 @@ class OrbitEquations:
             change += self.second @ more
         displacement, frames = [q for q, _, _ in moving], self._frames_at(ties)
         stressed = self.engine.running_links(self.motion, displacement)
-        pushes, connected = self._pushes(moving), self._connected(displacement, frames)
-        forces = self._forces(stressed, moving, pushes)
-        residual = times(self.mass, damping_rate * velocity) + frames.gather(self.motion, forces)
+        connected = self._connected(displacement, frames)
+        loads, springs = self._pushes(moving, motion)
+        forces = self._inertia_and_loads(moving, motion, loads)
+        rows = [] if self.carried is None else [self._on_frame(forces, moving, motion, places)]
+        forces = self._forces(stressed, moving, forces, springs)
+        rows.insert(0, frames.gather(self.motion, forces))
+        residual = times(self.mass, damping_rate * velocity) + np.concatenate(rows, axis=1)
         if self.frames.rigid.are_finite:
-            stressed = self._with_rigid_links(stressed, ties, forces, pushes)
+            stressed = self._with_rigid_links(stressed, ties, motion, forces, [*loads, *springs])
         rates = [rate for _, rate, _ in moving]
         error = self.error(residual)
         return OrbitState(
@@ -278,11 +318,11 @@ class OrbitEquations:
             stressed.guide_stiffness,
             body_turns(self.engine.links, state.displacement),
         )
-        damped, stiffness = links.damping + damping_rate * links.mass, links.stiffness
         if connected is not None:
-            damped = damped + connected.damping
-            stiffness = stiffness + connected.stiffness + connected.rate_stiffness
-        return SystemMatrices(links.mass, damped, stiffness)
+            stiffness = links.stiffness + connected.stiffness + connected.rate_stiffness
+            links = SystemMatrices(links.mass, links.damping + connected.damping, stiffness)
+        whole = self._carried(state.frames, links, RotationTerms())
+        return replace(whole, damping=whole.damping + damping_rate * whole.mass)
 
     def _with_changing_damping(self, state: OrbitState) -> StressedLinks:
         """Stressed links whose tangents have the change of the damping forces."""
@@ -308,46 +348,111 @@ class OrbitEquations:
             return PointJacobian(value, np.tensordot(self.first, value, 1))
 
         tangents = connectors.tangents(self.motion, displacement)
-        shape = self.mass.shape
+        shape = self.samples, self.frames.size, self.frames.size
         return connected_matrices(
             tangents, moved, shape, is_conservative=connectors.is_conservative
         )
 
-    def _pushes(self, moving: LinkMotion) -> list[PointForce]:
-        """Forces of loads and springs on points of the displaced links."""
+    def _pushes(
+        self, moving: LinkMotion, motion: RigidMotion
+    ) -> tuple[list[PointForce], list[PointForce]]:
+        """Forces of loads and of springs on points of the displaced links.
+
+        In axes that have turned with a frame on springs, against which loads turn back.
+        """
         if not self.engine.connectors.any:
-            return []
+            return [], []
         displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
         point_forces = self.engine.connectors.point_forces
-        return point_forces(self.motion, displacement, rate=rate, radial=True)
+        pushes = point_forces(self.motion, displacement, rate=rate, radial=True)
+        loads, back = len(self.engine.mechanism.loads), self.motion.angle - motion.angle
+        turned_back = [
+            replace(push, force=turned(push.force, back[:, push.point.link]))
+            for push in pushes[:loads]
+        ]
+        return turned_back, pushes[loads:]
 
-    def _forces(
-        self, stressed: StressedLinks, moving: LinkMotion, pushes: Sequence[PointForce]
+    def _inertia_and_loads(
+        self, moving: LinkMotion, motion: RigidMotion, loads: Sequence[PointForce]
     ) -> list[FloatArray]:
-        """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
-        forces, motion, gravity = [], self.motion, self.engine.mechanism.gravity
-        assert stressed.internal_force is not None
-        damping = stressed.damping or [link.damping for link in self.engine.links]
+        """Inertia forces (N, n_link) less weight and loads on each link, in ground axes' motion."""
+        forces, gravity = [], self.engine.mechanism.gravity
         for number, link in enumerate(self.engine.links):
             elastic = moving[number]
             link_motion = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
             force = self._inertias[number].shape_forces(link_motion)
-            if not link.rigid:
-                force += stressed.internal_force[number]
-                force += times(damping[number], link_motion.rate)
             for body in link.bodies:
                 moved = (x @ body.rows.T for x in elastic)
                 force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
             forces.append(force)
+        self._subtract(loads, forces, moving)
+        return forces
+
+    def _forces(
+        self,
+        stressed: StressedLinks,
+        moving: LinkMotion,
+        forces: Sequence[FloatArray],
+        springs: Sequence[PointForce],
+    ) -> list[FloatArray]:
+        """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
+        assert stressed.internal_force is not None
+        damping = stressed.damping or [link.damping for link in self.engine.links]
+        whole = [
+            force
+            if link.rigid
+            else force + stressed.internal_force[number] + times(damping[number], moving[number][1])
+            for number, (link, force) in enumerate(zip(self.engine.links, forces, strict=True))
+        ]
+        self._subtract(springs, whole, moving)
+        return whole
+
+    def _subtract(
+        self, pushes: Sequence[PointForce], forces: list[FloatArray], moving: LinkMotion
+    ) -> None:
+        """Take forces on points of the displaced links from those on the links, in place."""
         for push in pushes:
             place, q = push.point, moving[push.point.link][0]
-            forces[place.link] -= place.force(motion, push.force, push.torque, q, finite=True)
-        return forces
+            forces[place.link] -= place.force(self.motion, push.force, push.torque, q, finite=True)
+
+    def _on_frame(
+        self,
+        forces: Sequence[FloatArray],
+        moving: LinkMotion,
+        motion: RigidMotion,
+        places: Sequence[FloatArray],
+    ) -> FloatArray:
+        """Forces and moment (N, 3) that are out of balance on a frame on springs.
+
+        Parameters
+        ----------
+        forces : sequence of ndarray, shape (N, n_link)
+            Of inertia and loads on each link.
+        moving : LinkMotion
+        motion : RigidMotion
+            In ground axes.
+        places : sequence of ndarray, shape (N, 3)
+            Displacement and rotation of the frame and their time derivatives.
+        """
+        assert self.carried is not None
+        frame, (place, rate, change) = self.carried.frame, places
+        total = place @ frame.stiffness + rate @ frame.damping + change @ frame.inertia_matrix
+        total[:, :2] -= frame.mass * np.asarray(self.carried.gravity)
+        for number, (link, force) in enumerate(zip(self.engine.links, forces, strict=True)):
+            (x, y), q, angle = link.vectors, moving[number][0], motion.angle[:, number]
+            along, across = force @ link.fields.along, force @ link.fields.across
+            push = along[:, None] * direction(angle) + across[:, None] * normal(angle)
+            arm = motion.origin[:, number] - np.asarray(frame.centre) - place[:, :2]
+            displaced = np.sum(q[:, x] * force[:, y] - q[:, y] * force[:, x], axis=1)
+            total[:, :2] += push
+            total[:, 2] += force @ link.fields.tangential + displaced + cross(arm, push)
+        return total
 
     def _with_rigid_links(
         self,
         stressed: StressedLinks,
         ties: DisplacedTies,
+        motion: RigidMotion,
         forces: Sequence[FloatArray],
         pushes: Sequence[PointForce],
     ) -> StressedLinks:
@@ -355,8 +460,8 @@ class OrbitEquations:
         by_rotation = {}
         for number in self.frames.rigid.links:
             body = self.engine.links[number].bodies[0]
-            virial, _ = body.dead_moment(self.motion, number, self.engine.mechanism.gravity)
-            square = self.motion.angular_velocity[:, number] ** 2
+            virial, _ = body.dead_moment(motion, number, self.engine.mechanism.gravity)
+            square = motion.angular_velocity[:, number] ** 2
             by_rotation[number] = virial - square * body.central_inertia
         for push in pushes:
             if (link := push.point.link) in by_rotation:
