@@ -12,6 +12,7 @@ import numpy as np
 from flexmech import units
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
+from flexmech.linkages.motion import cross, quarter_turn, turned
 from flexmech.model_text import TomlTable, quantity
 from flexmech.validation import (
     FINITE,
@@ -167,6 +168,38 @@ class SprungFrame:
             x, y = self._arm(spring)
             moved = np.array([[1.0, 0.0, -y], [0.0, 1.0, x]])
             total += moved.T @ np.diag(of(spring)) @ moved
+        return total
+
+    def point_motion(
+        self, point: tuple[float, float], place: FloatArray, rate: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Displacement (m, 2) of a point, by its place as it is drawn, and the rate of that.
+
+        Parameters
+        ----------
+        point : tuple of float
+            In ground axes in m.
+        place, rate : ndarray, shape (m, 3)
+            Displacement and rotation of the frame, of any size, and their time derivatives.
+        """
+        lever = np.tile(np.subtract(point, self.centre), (len(place), 1))
+        arm = turned(lever, place[:, 2])
+        return place[:, :2] + arm - lever, rate[:, :2] + rate[:, 2, None] * quarter_turn(arm)
+
+    def spring_forces(self, place: FloatArray, rate: FloatArray) -> FloatArray:
+        """Forces and moment (m, 3) of springs and dampers against the motion of the frame.
+
+        Parameters
+        ----------
+        place, rate : ndarray, shape (m, 3)
+            As of :meth:`point_motion`.
+        """
+        total = np.zeros_like(place)
+        for spring in self.springs:
+            moved, speed = self.point_motion(spring.point, place, rate)
+            force = moved * spring.stiffness + speed * spring.damping
+            arm = moved - place[:, :2] + np.subtract(spring.point, self.centre)
+            total += np.column_stack([force, cross(arm, force)])
         return total
 
     @property

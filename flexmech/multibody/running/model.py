@@ -16,7 +16,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import Clamp, Drive
-from flexmech.linkages.motion import normal
+from flexmech.linkages.motion import normal, turned
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import RunningConnectors
@@ -149,7 +149,7 @@ class RunningModel:
         multiplier: FloatArray,
         position: FloatArray,
         sprung: Mapping[str, FloatArray],
-        frame_angle: FloatArray | float = 0.0,
+        frame_angle: FloatArray,
     ) -> FloatArray:
         """Force on the grounded or following link at each joint in ground axes.
 
@@ -159,7 +159,7 @@ class RunningModel:
         position : ndarray, shape (m, size)
             Coordinates of the links.
         sprung : mapping of str to ndarray, shape (m, 2)
-            Forces of the joints that springs alone hold, by their names.
+            Forces of the joints that springs alone hold, in axes of the frame, by their names.
         frame_angle : ndarray, shape (m,)
             By which the frame, on which lines of the ground are, has turned in rad.
 
@@ -170,7 +170,8 @@ class RunningModel:
         """
         names = self.assembly.topology.joint_names
         force = np.zeros((len(multiplier), len(names), 2))
-        for joint, values in sprung.items():
+        springs = {joint: turned(values, frame_angle) for joint, values in sprung.items()}
+        for joint, values in springs.items():
             force[:, names.index(joint)] = values
         for joint, constraints in self.constraints.items():
             number = names.index(joint)
@@ -187,8 +188,8 @@ class RunningModel:
                 angle += position[:, self.assembly.parts[guide].coordinates][:, 2]
             force[:, number] = multiplier[:, rows[:1]] * normal(angle)
         for joint, dependent in self._dependent_joints.items():
-            for name in sprung.keys() & dependent:
-                force[:, names.index(joint)] += sprung[name]
+            for name in springs.keys() & dependent:
+                force[:, names.index(joint)] += springs[name]
         return force
 
     def driving_torque(
@@ -246,7 +247,8 @@ class RunningModel:
             assert moved is not None
             nodes = np.append(nodes, moved.displacement[0])
             velocity = np.append(velocity, moved.rate[0])
-            hub[:2], turning[:2] = self.frame.at(_AXIS, moved)
+            pair = moved.displacement, moved.rate
+            hub[:2], turning[:2] = self.frame.frame.point_motion(_AXIS, *pair)
             hub[2], turning[2] = moved.displacement[0, 2], moved.rate[0, 2]
         hub[2] += self.shaft.angle(0.0)
         turning[2] += self.shaft.motion(0.0)[1]
@@ -302,10 +304,8 @@ class RunningModel:
         items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=markers)
         drive = None
         if torque is None:
-            before = assembly.fixed
-            if self.frame is not None:
-                # The drive stands on the frame: what it prescribes is the angle against that.
-                before = self.frame.add_angle_marker("frame_angle")
+            # The drive stands on the frame: what it prescribes is the angle against that.
+            before = assembly.add_angle_marker(None, "frame_angle")
             drive = assembly.add_constraint("crank_drive", before, node, 2, **self._turning())
         inertia = 0.0 if torque is None else float(assembly.mechanism.shaft_inertia)
         hub = items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=inertia)

@@ -19,10 +19,10 @@ finite displacements.
 A frame on springs has three coordinates more at the end of z. The frames of the links move with it
 by any displacement and rotation: their inertia, weight and loads are those of the motion in ground
 axes. Its own rows balance its inertia, springs, dampers and weight with the resultants of inertia
-and loads of all links where these are displaced to. The moment of a link's inertia is that of the
-forces on its nodes, exact but for what shape functions bend between them. In Newton's matrices, and
-there alone, the coupling of the links with the frame is that of straight links and small rotations
-(:class:`flexmech.linear_system.CarriedLinkage`).
+and loads of all links, all where they are displaced to. The moment of a link's inertia is that of
+the forces on its nodes, exact but for what shape functions bend between them. In Newton's matrices,
+and there alone, the coupling of the links with the frame is that of straight links and small
+rotations (:class:`flexmech.linear_system.CarriedLinkage`).
 """
 
 from __future__ import annotations
@@ -436,7 +436,7 @@ class OrbitEquations:
         """
         assert self.carried is not None
         frame, (place, rate, change) = self.carried.frame, places
-        total = place @ frame.stiffness + rate @ frame.damping + change @ frame.inertia_matrix
+        total = frame.spring_forces(place, rate) + change @ frame.inertia_matrix
         total[:, :2] -= frame.mass * np.asarray(self.carried.gravity)
         for number, (link, force) in enumerate(zip(self.engine.links, forces, strict=True)):
             (x, y), q, angle = link.vectors, moving[number][0], motion.angle[:, number]
