@@ -75,7 +75,17 @@ class Shaft:
         return angle + self.final_speed * after, self.final_speed, 0.0
 
     def hub_angle(self, position: Any, t: float, below: float = 0.0) -> float:
-        """Angle of the hub, the last coordinate, against a frame that turns below."""
+        """Angle of the hub against what carries it, in rad.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system, of which the last one is the hub's angle.
+        t : float
+            In s.
+        below : float
+            Angle of a frame on springs in rad.
+        """
         return float(position[-1]) - below if self.is_free else self.angle(t)
 
     def constraint_angle(self, mbs: Any, t: float, number: int, offset: float) -> float:
