@@ -11,11 +11,7 @@ from flexmech.mechanism.parts import (
     Provenance,
     Wetting,
 )
-from flexmech.mechanism.sprung_frame import (
-    FrameSpring,
-    SprungFrame,
-    require_standing_frame,
-)
+from flexmech.mechanism.sprung_frame import FrameSpring, SprungFrame
 
 __all__ = [
     "AttachedBody",
@@ -30,7 +26,6 @@ __all__ = [
     "drawing",
     "drawn_parts",
     "motor_run",
-    "require_standing_frame",
     "settled_run",
     "with_motor_run",
 ]

@@ -12,6 +12,7 @@ import numpy as np
 from flexmech import units
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
+from flexmech.linkages.motion import cross, quarter_turn, turned
 from flexmech.model_text import TomlTable, quantity
 from flexmech.validation import (
     FINITE,
@@ -169,6 +170,38 @@ class SprungFrame:
             total += moved.T @ np.diag(of(spring)) @ moved
         return total
 
+    def point_motion(
+        self, point: tuple[float, float], place: FloatArray, rate: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Displacement (m, 2) of a point, by its place as it is drawn, and the rate of that.
+
+        Parameters
+        ----------
+        point : tuple of float
+            In ground axes in m.
+        place, rate : ndarray, shape (m, 3)
+            Displacement and rotation of the frame, of any size, and their time derivatives.
+        """
+        lever = np.tile(np.subtract(point, self.centre), (len(place), 1))
+        arm = turned(lever, place[:, 2])
+        return place[:, :2] + arm - lever, rate[:, :2] + rate[:, 2, None] * quarter_turn(arm)
+
+    def spring_forces(self, place: FloatArray, rate: FloatArray) -> FloatArray:
+        """Forces and moment (m, 3) of springs and dampers against the motion of the frame.
+
+        Parameters
+        ----------
+        place, rate : ndarray, shape (m, 3)
+            As of :meth:`point_motion`.
+        """
+        total = np.zeros_like(place)
+        for spring in self.springs:
+            moved, speed = self.point_motion(spring.point, place, rate)
+            force = moved * spring.stiffness + speed * spring.damping
+            arm = moved - place[:, :2] + np.subtract(spring.point, self.centre)
+            total += np.column_stack([force, cross(arm, force)])
+        return total
+
     @property
     def natural_frequencies(self) -> FloatArray:
         """Of the frame alone on its springs in Hz, ascending, (3,)."""
@@ -197,25 +230,3 @@ class SprungFrame:
             "centre": [quantity(value, units.LENGTH) for value in self.centre],
             "springs": [spring.to_table() for spring in self.springs],
         }
-
-
-def require_standing_frame(frame: SprungFrame | None, what: str = "this computation") -> None:
-    """Refuse a frame on springs where the linkage is on the ground.
-
-    Parameters
-    ----------
-    frame : SprungFrame or None
-    what : str
-        Computation in which it is.
-
-    Raises
-    ------
-    InputError
-        If there is one.
-    """
-    if frame is not None:
-        raise InputError(
-            f"frame: {what} is not computed of a linkage whose frame is on springs; leave the "
-            "table [frame] out, or ask for a shaft that turns as prescribed and motion about the "
-            "equilibrium"
-        )

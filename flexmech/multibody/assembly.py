@@ -288,8 +288,13 @@ class LinkAssembly:
         part = self.part_of(place)
         return self.add_axis_marker(part, 0.0 if place.end == "start" else part.length, name, angle)
 
-    def add_angle_marker(self, end: LinkEnd, name: str) -> ItemNumber:
-        """Add a marker of the angle at a link end; at a cable's a body has a node of its own."""
+    def add_angle_marker(self, end: LinkEnd | None, name: str) -> ItemNumber:
+        """Add a marker of the angle at a link end; at a cable's a body has a node of its own.
+
+        Without an end it is that of the ground, or of a frame on springs.
+        """
+        if end is None:
+            return self.fixed if self.frame is None else self.frame.add_angle_marker(name)
         turning, node = self.turning_coordinate(end), self.end_node(end)
         if turning is None:
             place = self.first_coordinate(end)

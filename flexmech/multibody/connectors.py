@@ -155,7 +155,7 @@ class ConnectorItems:
         drag: list[ItemNumber] = []
         if spring.torsional_stiffness or spring.torsional_damping:
             angles = [
-                assembly.add_angle_marker(end, f"{name}_{which}_angle") if end else assembly.fixed
+                assembly.add_angle_marker(end, f"{name}_{which}_angle")
                 for which, end in (("leading", leader), ("following", follower))
             ]
             turning = items.add(

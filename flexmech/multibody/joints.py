@@ -255,7 +255,9 @@ def joint_gaps(
 
     def on_ground(end: LinkEnd) -> PlaceGap:
         place = _pair(start.position(*topology.end_place(end)))
-        return PlaceGap(joined(end), None if frame is None else frame.joined(place), place, False)
+        if frame is None:
+            return PlaceGap(joined(end), None, place, False)
+        return PlaceGap(joined(end), frame.joined(place), (0.0, 0.0), False)
 
     gaps: list[JointGap] = []
     for clamp in topology.clamps:
@@ -263,7 +265,7 @@ def joint_gaps(
         axis = None if frame is None else frame.joined((0.0, 0.0))
         between = angle(end) - float(start.angle[assembly.base])
         gaps.append(AngleGap(joined(end), axis, between, True))
-        gaps.append(PlaceGap(joined(end), None, place, True) if frame is None else on_ground(end))
+        gaps.append(PlaceGap(joined(end), axis, place, True))
     gaps += [on_ground(pivot.link_end) for pivot in topology.pivots if not pivot.sprung]
     for tie in topology.rigid_ties:
         leader = leading_end(tie.leader, topology.rigid_ties)

@@ -12,7 +12,11 @@ from flexmech.time_domain.equations_of_motion.driven_linkage import (
     static_balance,
     stretches_in_runs,
 )
-from flexmech.time_domain.equations_of_motion.driven_shaft import RotorCoupling, ShaftTorque
+from flexmech.time_domain.equations_of_motion.driven_shaft import (
+    RotorCoupling,
+    ShaftTorque,
+    with_rotor,
+)
 from flexmech.time_domain.integrators.runs import (
     end_state,
     linear_run,
@@ -87,4 +91,5 @@ __all__ = [
     "static_balance",
     "step_lag",
     "stretches_in_runs",
+    "with_rotor",
 ]

@@ -161,24 +161,6 @@ def test_a_model_file_with_an_impossible_frame_is_refused(
     assert "frame" in str(refused.value)
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["stability", "--speeds", "20,21", "--prestress", "trajectory"],
-        ["response", "--speed", "20", "--shaft", "free"],
-    ],
-    ids=" ".join,
-)
-def test_commands_that_need_a_standing_frame_refuse_one_on_springs(
-    models: Path, tmp_path: Path, words: list[str], command: Any
-) -> None:
-    file, out = framed_file(tmp_path, models / "aluminium_fourbar.toml"), tmp_path / "out"
-    ended = command(words[0], file, *words[1:], "--out", out)
-    assert ended.exit_code == 2
-    assert "on springs" in " ".join(ended.stderr.split())
-    assert not out.exists()
-
-
 def test_a_crank_far_too_fast_for_its_links_is_refused_before_the_work(
     models: Path, tmp_path: Path, command: Any
 ) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_simpson
 
 import flexmech
 from flexmech.linkages import GROUND, AttachmentPoint, carried_motion
@@ -361,3 +363,170 @@ def test_linear_equations_of_a_frame_that_turns_are_off_by_its_rotation_in_rad(
     soft = on_springs(heavy, replace(frame, inertia=0.01, springs=loose))
     with pytest.raises(flexmech.ComputationError, match="exudyn engine"):
         flexmech.response(flexmech.ReferenceEngine(soft, 1), replace(request, revolutions=2.0))
+
+
+def geared_motor(inertia: float = 1e-4, **coupling: float) -> flexmech.MotorDrive:
+    curve = (0.0, 200.0), (0.6, 0.0)
+    motor = flexmech.TorqueMotor(*curve, inertia=inertia, gear_ratio=5.0, **coupling)
+    return flexmech.MotorDrive(motor)
+
+
+COUPLINGS = [{}, {"coupling_stiffness": 500.0, "coupling_damping": 0.5}]
+
+
+def by_both(
+    mechanism: flexmech.Mechanism,
+    speed: float | flexmech.MotorDrive,
+    elements: int = 2,
+    shaft: str = "free",
+    kinds: Sequence[Any] = (flexmech.ReferenceEngine, flexmech.ExudynEngine),
+    **asked: Any,
+) -> Any:
+    engines = [kind(mechanism, elements, shaft=shaft) for kind in kinds]
+    settings = {"revolutions": 0.2, "samples": 90, "start": "equilibrium", "modes": 3}
+    request = flexmech.ResponseRequest(speed, **settings | {"step": 2e-4} | asked)
+    return flexmech.response(engines, request).dataset
+
+
+def off(data: Any, wanted: Any, name: str) -> float:
+    """Greatest difference of a quantity over its greatest size."""
+    return float(abs(data[name].values - wanted[name].values).max() / abs(wanted[name]).max())
+
+
+@pytest.fixture
+def heavy(aluminium: flexmech.Mechanism) -> flexmech.Mechanism:
+    sections = {k: one.with_damping_time(2e-4) for k, one in aluminium.sections.items()}
+    return replace(aluminium, sections=sections, gravity=(0.0, -9.81), shaft_inertia=2e-3)
+
+
+@pytest.mark.parametrize("coupling", COUPLINGS, ids=["rigid", "coupled"])
+def test_the_work_of_a_motor_is_the_energy_with_that_of_its_frame(
+    heavy: flexmech.Mechanism, coupling: dict[str, float]
+) -> None:
+    """The frame bears the reactions of stator, gear and rotor; both engines move it alike."""
+    mechanism = on_springs(heavy, sprung((1e5, 2e5)))
+    drive = geared_motor(**coupling)
+    data = by_both(mechanism, drive, 4, step=1e-4, start="rigid", revolutions=0.1)
+    linear, finite = data["energy_error"].values
+    assert linear < 1e-5
+    assert finite < 3e-6
+    one, other = (data.isel(engine=number) for number in (0, 1))
+    for name in ("frame_displacement", "floor_force", "driving_torque"):
+        assert off(one, other, name) < 5e-3
+
+
+def test_a_free_shaft_on_a_frame_is_turned_alike_in_both_engines(
+    heavy: flexmech.Mechanism,
+) -> None:
+    """The torque that drives the rigid linkage turns the frame the other way."""
+    data = by_both(on_springs(heavy, sprung((2e4, 4e4))), 20.0)
+    assert float(data["energy_error"].isel(engine=1)) < 5e-6
+    one, other = (data.isel(engine=number) for number in (0, 1))
+    for name in ("frame_displacement", "frame_rotation", "floor_force"):
+        assert off(one, other, name) < 1e-2
+
+
+@pytest.mark.parametrize("driven", ["motor", "free", "periodic"])
+def test_stiff_springs_of_a_frame_are_the_ground(heavy: flexmech.Mechanism, driven: str) -> None:
+    asked: dict[str, Any] = {"speed": geared_motor() if driven == "motor" else 20.0}
+    if driven == "periodic":
+        asked |= {"start": "periodic", "shaft": "prescribed"}
+    stiff = on_springs(heavy, sprung((1e9, 1e9)))
+    data, wanted = (by_both(one, revolutions=0.1, **asked) for one in (stiff, heavy))
+    for name in ("deflection", "driving_torque"):
+        assert off(data, wanted, name) < 2e-5
+
+
+def test_the_common_centre_of_mass_stays_where_no_spring_holds_it(
+    aluminium: flexmech.Mechanism,
+) -> None:
+    """From rest a motor moves links and frame against each other along x."""
+    springs = tuple(flexmech.FrameSpring((x, -0.02), (1e-3, 1e5)) for x in (0.027, 0.227))
+    frame = flexmech.SprungFrame(2.0, 100.0, (0.127, -0.02), springs)
+    mechanism = on_springs(stiffened(aluminium, 30.0), frame)
+    data = by_both(mechanism, geared_motor(), start="rigid")
+    whole = frame.mass + total_mass(mechanism)
+    for engine in (0, 1):
+        run_of = data.isel(engine=engine)
+        angle = data["crank_angle"].values + run_of["shaft_rotation"].values
+        motion = mechanism.linkage.motion(angle)
+        moment = whole * run_of["frame_displacement"].values[:, 0]
+        greatest = float(np.abs(moment).max())
+        for number, link in enumerate(mechanism.link_masses_in_order):
+            mass = float(link.moment(0))
+            place = motion.position(number, float(link.moment(1)) / mass)[:, 0]
+            moment = moment + mass * (place - place[0])
+        assert np.abs(moment).max() < 5e-3 * greatest
+
+
+@pytest.mark.parametrize("coupling", COUPLINGS, ids=["rigid", "coupled"])
+def test_a_rotor_behind_a_gear_turns_its_frame_back(
+    models: Path, coupling: dict[str, float]
+) -> None:
+    """Angular momentum (I_f + I + J) phi' + (I + n J) theta' is what the springs gave."""
+    arm = stiffened(flexmech.load_mechanism(models / "rotating_arm.toml"), 10.0)
+    arm = replace(arm, gravity=(0.0, 0.0), linkage=replace(arm.linkage, hub_radius=0.0))
+    springs = tuple(flexmech.FrameSpring((x, 0.0), (1e5, 1e5)) for x in (-0.05, 0.05))
+    frame = flexmech.SprungFrame(2.0, 0.5, (0.0, 0.0), springs)
+    rotor, drive = 4e-3, geared_motor(inertia=4e-3, **coupling)
+    asked = {"start": "rigid", "revolutions": 0.1, "modes": 1, "samples": 500}
+    data = by_both(on_springs(arm, frame), drive, **asked)
+    time, inertia = data["time"].values, float(arm.link_masses_in_order[0].moment(2))
+    for engine in (0, 1):
+        run_of = data.isel(engine=engine)
+        turned = run_of["frame_rotation"].values
+        crank = data["crank_angle"].values + run_of["shaft_rotation"].values
+        once = cumulative_simpson(turned, x=time, initial=0)
+        given = 2 * 1e5 * 0.05**2 * cumulative_simpson(once, x=time, initial=0)[-1]
+        own = (frame.inertia + inertia + rotor) * turned[-1]
+        assert own + given == pytest.approx(-(inertia + 5 * rotor) * (crank[-1] - crank[0]), 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "near"), [(flexmech.ReferenceEngine, 1e-2), (flexmech.ExudynEngine, 3e-5)]
+)
+def test_a_run_from_the_periodic_motion_on_a_frame_ends_as_it_begins(
+    heavy: flexmech.Mechanism, kind: Any, near: float
+) -> None:
+    """Of the reference but for the square of the frame's rotation, of Exudyn at any rotation."""
+    springs = tuple(flexmech.FrameSpring((x, -0.08), (2e3, 4e3), (30.0, 30.0)) for x in (0, 0.25))
+    mechanism = on_springs(heavy, flexmech.SprungFrame(2.0, 0.03, (0.127, -0.02), springs))
+    asked = {"start": "periodic", "revolutions": 1.0, "shaft": "prescribed", "kinds": [kind]}
+    data = by_both(mechanism, 20.0, step=2 * np.pi / 20.0 / 1440, **asked).isel(engine=0)
+    assert float(data["peak_frame_rotation"]) > 0.01
+    for name in ("deflection", "frame_displacement", "frame_rotation"):
+        values = data[name].transpose("time", ...).values
+        assert np.abs(values[-1] - values[0]).max() < near * np.abs(values).max()
+
+
+def test_the_periodic_motion_of_stiff_links_on_a_frame_is_that_of_linear_equations(
+    heavy: flexmech.Mechanism,
+) -> None:
+    mechanism = on_springs(stiffened(heavy, 30.0), sprung((1e5, 2e5)))
+    asked = {"start": "periodic", "shaft": "prescribed", "step": 1e-4, "revolutions": 0.1}
+    nonlinear, linear = (
+        by_both(mechanism, 20.0, prestress=level, **asked, kinds=[flexmech.ReferenceEngine])
+        for level in ("equilibrium", "none")
+    )
+    for name in ("deflection", "frame_displacement", "frame_rotation"):
+        assert off(nonlinear, linear, name) < 2e-3
+
+
+def test_exudyn_closes_the_hub_and_sprung_joints_on_a_frame(
+    heavy: flexmech.Mechanism, models: Path
+) -> None:
+    """As the reference does: linear equations are off by the rotation of the frame."""
+    bearings = (
+        flexmech.JointSpring("O4", 2.0, 0.01, 1.0, radial_stiffness=1e5, radial_damping=20.0),
+        flexmech.JointSpring("B", 0.5, 0.01, radial_stiffness=1e5, radial_damping=20.0),
+    )
+    sprung_joints = replace(on_springs(heavy, sprung((2e4, 4e4))), joint_springs=bearings)
+    springs = tuple(flexmech.FrameSpring((x, -0.05), (2e4, 2e4), (3.0, 3.0)) for x in (-0.1, 0.1))
+    arm = flexmech.load_mechanism(models / "rotating_arm.toml")
+    assert arm.linkage.hub_radius
+    arm = on_springs(arm, flexmech.SprungFrame(1.5, 0.03, (0.0, -0.02), springs))
+    for mechanism in (sprung_joints, arm):
+        data = by_both(mechanism, 20.0, shaft="prescribed")
+        one, other = (data.isel(engine=number) for number in (0, 1))
+        for name in ("frame_displacement", "frame_rotation", "floor_force", "driving_torque"):
+            assert off(one, other, name) < 2e-2

@@ -15,7 +15,7 @@ from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.linkages import MotorRun
 from flexmech.linkages.motors.integrated_run import states_along
-from flexmech.mechanism import require_standing_frame, with_motor_run
+from flexmech.mechanism import with_motor_run
 from flexmech.time_domain import Trajectory
 
 
@@ -47,7 +47,6 @@ def with_motor(
     if not isinstance(run, MotorRun):
         return list(engines), request
     mechanism = engines[0].mechanism
-    require_standing_frame(mechanism.frame, "a run under a motor")
     if environment is not None:
         wet = mechanism_in_state(mechanism, environment)
         request = replace(request, speed=run.drive).of(wet)

@@ -238,7 +238,8 @@ class MotorPasses:
         driven = known.across, known.turning
         if coupling is not None:
             driven = known.rotor, known.rotor_rate
-        return ShaftTorque(known.time, *self._given(known), *driven, coupling)
+        motor = self.run.drive.motor
+        return ShaftTorque(known.time, *self._given(known), *driven, motor, coupling)
 
     def _coupling(self, known: KnownMotion) -> RotorCoupling | None:
         """The coupling with its torque along a motion; None of a rotor without one."""
@@ -248,7 +249,7 @@ class MotorPasses:
         start = float(begin[2] - begin[0]), float(begin[3] - begin[1])
         torque = motor.coupling_torque(known.rotor - known.rotation, known.rotor_rate - known.rate)
         lag = motor.coupling_torque(known.across - known.rotation, known.turning - known.rate)
-        return RotorCoupling(motor, start, torque, lag)
+        return RotorCoupling(start, torque, lag)
 
     def _against_rigid(self, found: Trajectory, nominal: MotorRun) -> Trajectory:
         if nominal is self.run or found.shaft is None:

@@ -248,7 +248,7 @@ def _run(
         )
         state = linear_start(linkage, request, step)
         if linkage.rotor is not None:
-            state = linkage.rotor.started(state)
+            state = linkage.rotor.started(state, linkage.rotor_coordinate)
         return linear_run(
             linkage, state.position, state.velocity, plan.time, step, progress, band=plan.band
         )

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.analyses.response.motor_passes import MotorPasses
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.tension_at_start import (
     linear_forces,
@@ -60,13 +61,12 @@ def simulation_start(engine: Engine, request: ResponseRequest, step: float) -> L
     return _on_periodic_motion(engine, request, step)
 
 
-def _has_nonlinear_orbit(engine: Engine, request: ResponseRequest) -> bool:
+def _has_nonlinear_orbit(request: ResponseRequest) -> bool:
     """Whether the periodic motion of the nonlinear equations is found.
 
-    Those of a frame on springs, of a motor and of other prestress are the linear equations'.
+    Those of a motor and of other prestress are the linear equations'.
     """
-    shaken = engine.mechanism.frame is not None or isinstance(request.drive, MotorRun)
-    return request.prestress == "equilibrium" and not shaken
+    return request.prestress == "equilibrium" and not isinstance(request.drive, MotorRun)
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
 
     A simulation counts the stretch by the square of the slopes, which linear equations leave out.
     """
-    if _has_nonlinear_orbit(engine, request):
+    if _has_nonlinear_orbit(request):
         return nonlinear_orbit(engine, request.drive.speed).state(request.drive.start_angle)
     linear = _PeriodicMotion.of(engine, request, step)
     time, motion, was = linear.time, linear.motion, linear.displacement
@@ -175,9 +175,13 @@ def frame_at_rest(engine: Engine, drive: Drive, begin: float = 0.0) -> FrameMoti
     """
     if engine.mechanism.frame is None:
         return None
-    linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False)
-    time = begin + _start_times(drive)
-    place = linkage.quasi_static_equations(time).quasi_static()[:, -COORDINATES:]
+    time, torque = begin + _start_times(drive), None
+    if engine.shaft == "free" and isinstance(drive, MotorRun):
+        torque = MotorPasses(drive).torque_along(time)
+    linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False, shaft_torque=torque)
+    place = linkage.quasi_static_equations(time).quasi_static(
+        constrained=linkage.shaft_coordinates
+    )[:, -COORDINATES:]
     return FrameMotion(place[:1], _rate(place, time)[None])
 
 
@@ -299,12 +303,12 @@ def _stretching_on_periodic_motion(
     """The same of links that stretch as the linkage says."""
     assert linkage.stretch is not None
     frames, time = linkage.frames, _start_times(request.drive)
-    if _has_nonlinear_orbit(linkage.engine, request):
+    if _has_nonlinear_orbit(request):
         engine, motion = linkage.engine, linkage.motion(time)
-        displacement, rate = nonlinear_orbit(engine, request.drive.speed).at(motion.crank_angle)
-        forces = engine.running_links(motion, displacement).internal_force
+        orbit = nonlinear_orbit(engine, request.drive.speed)
+        forces = engine.running_links(motion, orbit.at(motion.crank_angle)[0]).internal_force
         assert forces is not None
-        starts = [LinkState([q[n] for q in displacement], [v[n] for v in rate]) for n in range(3)]
+        starts = [orbit.state(angle) for angle in motion.crank_angle.tolist()]
     else:
         linear = _PeriodicMotion.of(linkage.engine, request, step)
         motion, starts = linear.motion, [linear.state(number) for number in range(len(time))]

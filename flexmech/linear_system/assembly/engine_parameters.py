@@ -24,7 +24,7 @@ from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.reduction.component_modes import (
     ComponentModes,
 )
-from flexmech.mechanism import Mechanism, require_standing_frame
+from flexmech.mechanism import Mechanism
 from flexmech.validation import (
     check_choice,
     check_count,
@@ -274,21 +274,6 @@ class EngineParameters(ABC):
                 f"{what} turns the shaft as prescribed, and that of this engine is free; "
                 "use shaft 'prescribed'"
             )
-
-    def require_standing_frame(self, what: str = "this computation") -> None:
-        """Refuse a frame on springs where the linkage is on the ground.
-
-        Parameters
-        ----------
-        what : str
-            Computation in which it is.
-
-        Raises
-        ------
-        InputError
-            If the mechanism has a frame on springs.
-        """
-        require_standing_frame(self.mechanism.frame, what)
 
 
 def checked_mechanism(mechanism: object) -> Mechanism:

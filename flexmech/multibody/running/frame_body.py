@@ -7,9 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.errors import InputError
-from flexmech.linkages import turned
-from flexmech.linkages.motion import quarter_turn
 from flexmech.mechanism import Mechanism, SprungFrame
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.running.user_functions import JoinedEnd
@@ -45,25 +42,10 @@ class FrameBody:
         items : SystemItems
         first : int
             Number of coordinates that the system has.
-
-        Raises
-        ------
-        InputError
-            If joints of the linkage have springs, or its shaft a hub.
         """
         frame = mechanism.frame
         if frame is None:
             return None
-        if mechanism.joint_springs:
-            raise InputError(
-                "the exudyn engine does not run springs in joints of a linkage whose frame is on "
-                "springs; use the reference engine"
-            )
-        if any(clamp.hub for clamp in mechanism.linkage.topology.clamps):
-            raise InputError(
-                "the exudyn engine does not run an arm on a hub whose frame is on springs; use the "
-                "reference engine, or a hub of radius zero"
-            )
         items.begin("frame: a rigid body on springs")
         node = items.add("NodeRigidBody2D", "frame_node", referenceCoordinates=[*frame.centre, 0.0])
         body = items.add(
@@ -119,14 +101,6 @@ class FrameBody:
         own = slice(self.first, self.first + 3)
         return FrameMotion(position[:, own], velocity[:, own])
 
-    def at(self, place: tuple[float, float], moved: FrameMotion) -> tuple[FloatArray, FloatArray]:
-        """Displacement (m, 2) of a point of it, by its place as it is drawn, and the rate."""
-        turn, spin = moved.displacement[:, 2], moved.rate[:, 2, None]
-        lever = np.tile(self._lever(place), (len(turn), 1))
-        arm = turned(lever, turn)
-        rate = moved.rate[:, :2] + spin * quarter_turn(arm)
-        return moved.displacement[:, :2] + arm - lever, rate
-
     def added(
         self, block: StepBlock, moved: FrameMotion, gravity: tuple[float, float]
     ) -> StepBlock:
@@ -139,7 +113,8 @@ class FrameBody:
         gravity : tuple of float
             In m/s^2.
         """
-        ends = [self.at(spring.point, moved) for spring in self.frame.springs]
+        pair = moved.displacement, moved.rate
+        ends = [self.frame.point_motion(spring.point, *pair) for spring in self.frame.springs]
         places, rates = (np.array(part) for part in zip(*ends, strict=True))
         stiffness, damping = (
             np.array([getattr(spring, name) for spring in self.frame.springs])[:, None]

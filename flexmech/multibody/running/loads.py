@@ -15,7 +15,9 @@ has its angle at the crank as a coordinate. The charge that has flowed is one, w
 current; and the integral of speed control is the rate of another: a coordinate without mass would
 leave Exudyn without accelerations at the start. Circuit and coupling are linear in them: inductance
 and rotor stand in the mass matrix, resistance, back-EMF and damping in the damping matrix. Torque
-curves and speed control are a user function.
+curves and speed control are a user function. On a frame on springs all turn against that, which
+bears the reaction, and a rotor behind a gear has the inertia of
+:class:`flexmech.time_domain.ShaftTorque`.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
@@ -40,7 +43,7 @@ from flexmech.multibody.running.user_functions import (
     Shaft,
     section_couples,
 )
-from flexmech.time_domain import Impact, rigid_torque
+from flexmech.time_domain import Impact, StepBlock, rigid_torque, with_rotor
 
 # Times of a run at which the crank's range is taken: between them it gains less than 1e-6 of it.
 TIMES = 2001
@@ -301,8 +304,14 @@ class MotorOnHub:
         )
         return [node]
 
-    def add_object(self, items: SystemItems, own: list[ItemNumber], hub: ItemNumber) -> None:
-        """Add the motor between its node and that of the hub.
+    def add_object(
+        self,
+        items: SystemItems,
+        own: list[ItemNumber],
+        hub: ItemNumber,
+        frame: ItemNumber | None = None,
+    ) -> None:
+        """Add the motor between its node, that of the hub and that of what carries it.
 
         Parameters
         ----------
@@ -311,32 +320,41 @@ class MotorOnHub:
             Its node, if it has one.
         hub : ItemNumber
             Node of the hub.
+        frame : ItemNumber, optional
+            Node of a frame on springs.
         """
-        size = self.count + _HUB
-        mass, damping, stiffness = np.zeros((3, size, size))
-        force = np.zeros(size)
+        below = [] if frame is None else [frame]
+        ahead = _HUB * len(below)
+        every = np.eye(ahead + self.count + _HUB)
+        mass, damping, stiffness = np.zeros((3, *every.shape))
+        force = np.zeros(len(every))
         motor, control = self.run.drive.motor, self.run.drive.control
-        rotor, first = self._rotor, int(self._train.is_coupled)
+        spin = every[_HUB - 1] * len(below)
+        shaft = every[-1] - spin
+        rotor, first = shaft, ahead + int(self._train.is_coupled)
+        counted = motor.inertia_at_crank * np.outer(every[-1], every[-1])
         if motor.coupling_stiffness is not None:
-            twist = np.zeros(size)
-            twist[[rotor, -1]] = 1.0, -1.0
-            mass[rotor, rotor] = motor.inertia_at_crank
-            stiffness += motor.coupling_stiffness * np.outer(twist, twist)
-            damping += motor.coupling_damping * np.outer(twist, twist)
+            rotor = every[ahead]
+            twist, counted = np.outer(rotor - shaft, rotor - shaft), np.zeros_like(counted)
+            stiffness += motor.coupling_stiffness * twist
+            damping += motor.coupling_damping * twist
+        geared = motor.gear_ratio * rotor + spin
+        mass += motor.inertia * np.outer(geared, geared) - counted
         if isinstance(motor, DcMotor) and motor.has_current:
-            constant = motor.gear_ratio * motor.torque_constant
+            constant = motor.gear_ratio * motor.torque_constant * rotor
             mass[first, first], damping[first, first] = motor.inductance, motor.resistance
-            damping[first, rotor], damping[rotor, first] = constant, -constant
+            damping[first] += constant
+            damping[:, first] -= constant
             force[first] = 0.0 if control is not None else motor.voltage
         if self._train.has_integral:
-            mass[self.count - 1, self.count - 1] = 1.0
+            mass[ahead + self.count - 1, ahead + self.count - 1] = 1.0
         function: dict[str, Any] = {}
         if control is not None or not motor.has_current:
-            function["forceUserFunction"] = self._force
+            function["forceUserFunction"] = partial(self._force, rotor, spin)
         items.add(
             "ObjectGenericODE2",
             "motor",
-            nodeNumbers=[*own, hub],
+            nodeNumbers=[*below, *own, hub],
             massMatrix=mass,
             dampingMatrix=damping,
             stiffnessMatrix=stiffness,
@@ -356,10 +374,21 @@ class MotorOnHub:
         motion = position[:, -1], velocity[:, -1]
         return self._train.on_crank(*motion, self._states(position.T, velocity.T))[0]
 
-    @property
-    def _rotor(self) -> int:
-        """Coordinate of the motor and the hub by which the rotor turns."""
-        return 0 if self._train.is_coupled else -1
+    def on_frame(self, block: StepBlock, position: FloatArray, velocity: FloatArray) -> StepBlock:
+        """Records with the energies of the rotor on a frame on springs.
+
+        Parameters
+        ----------
+        block : StepBlock
+        position, velocity : ndarray, shape (m, n)
+            As of :meth:`torque_at`.
+        """
+        train, motor = self._train, self.run.drive.motor
+        states, speed, twist = self._states(position.T, velocity.T), velocity[:, -1], np.zeros(1)
+        if train.is_coupled:
+            twist = states[0] - position[:, -1]
+        torque = motor.gear_ratio * train.motor_output(speed, states).torque
+        return with_rotor(block, motor, twist, train.rotor_speed(speed, states), torque)
 
     def _states(self, position: FloatArray, velocity: FloatArray) -> FloatArray:
         """States of the drive train, (k, ...).
@@ -371,19 +400,31 @@ class MotorOnHub:
             return velocity[motor]
         return np.concatenate([position[motor][:1], velocity[motor]])
 
-    def _force(self, mbs: Any, t: float, number: int, position: Any, velocity: Any) -> list[float]:
-        """User function: what the torque curve, or the control's command, does."""
+    def _force(
+        self,
+        rotor: FloatArray,
+        spin: FloatArray,
+        mbs: Any,
+        t: float,
+        number: int,
+        position: Any,
+        velocity: Any,
+    ) -> list[float]:
+        """User function: what the torque curve, or the control's command, does.
+
+        By the rows (n,) of the rotation of the rotor and of a frame.
+        """
         rate = np.asarray(velocity)
         motor = self.run.drive.motor
         states = self._states(np.asarray(position), rate)
-        given = self._train.motor_output(rate[-1], states)
-        force = np.zeros(self.count + _HUB)
+        given = self._train.motor_output(rate[-1] - spin @ rate, states)
+        force = np.zeros(len(rate))
         if motor.has_current:
-            force[int(self._train.is_coupled)] = given.voltage
+            force[int(self._train.is_coupled) - self.count - _HUB] = given.voltage
         else:
-            force[self._rotor] = motor.gear_ratio * given.torque
+            force += motor.gear_ratio * given.torque * rotor
         if self._train.has_integral:
-            force[self.count - 1] = given.rates[-1]
+            force[-1 - _HUB] = given.rates[-1]
         return [float(value) for value in force]
 
 

@@ -16,8 +16,8 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import Clamp, Drive
-from flexmech.linkages.motion import normal
-from flexmech.mechanism import Mechanism, require_standing_frame
+from flexmech.linkages.motion import normal, turned
+from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import RunningConnectors
 from flexmech.multibody.items import ItemNumber, Made, load_exudyn
@@ -108,8 +108,6 @@ class RunningModel:
         self._motor = torque if isinstance(torque, MotorOnHub) else None
         self.frame = FrameBody.of(mechanism, assembly.items, assembly.system_size)
         assembly.frame = self.frame
-        if torque is not None:
-            require_standing_frame(mechanism.frame, "a run with a free shaft")
         self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
         self.shaft = Shaft(
             float(self._start.angle[assembly.base]),
@@ -151,7 +149,7 @@ class RunningModel:
         multiplier: FloatArray,
         position: FloatArray,
         sprung: Mapping[str, FloatArray],
-        frame_angle: FloatArray | float = 0.0,
+        frame_angle: FloatArray,
     ) -> FloatArray:
         """Force on the grounded or following link at each joint in ground axes.
 
@@ -161,7 +159,7 @@ class RunningModel:
         position : ndarray, shape (m, size)
             Coordinates of the links.
         sprung : mapping of str to ndarray, shape (m, 2)
-            Forces of the joints that springs alone hold, by their names.
+            Forces of the joints that springs alone hold, in axes of the frame, by their names.
         frame_angle : ndarray, shape (m,)
             By which the frame, on which lines of the ground are, has turned in rad.
 
@@ -172,7 +170,8 @@ class RunningModel:
         """
         names = self.assembly.topology.joint_names
         force = np.zeros((len(multiplier), len(names), 2))
-        for joint, values in sprung.items():
+        springs = {joint: turned(values, frame_angle) for joint, values in sprung.items()}
+        for joint, values in springs.items():
             force[:, names.index(joint)] = values
         for joint, constraints in self.constraints.items():
             number = names.index(joint)
@@ -189,8 +188,8 @@ class RunningModel:
                 angle += position[:, self.assembly.parts[guide].coordinates][:, 2]
             force[:, number] = multiplier[:, rows[:1]] * normal(angle)
         for joint, dependent in self._dependent_joints.items():
-            for name in sprung.keys() & dependent:
-                force[:, names.index(joint)] += sprung[name]
+            for name in springs.keys() & dependent:
+                force[:, names.index(joint)] += springs[name]
         return force
 
     def driving_torque(
@@ -205,9 +204,20 @@ class RunningModel:
         multiplier : ndarray, shape (m, n_multipliers)
         """
         if self.torque is not None:
-            return self.torque.torque_at(time, position, velocity)
+            return self.torque.torque_at(time, *self.against_frame(position, velocity))
         assert self.drive_constraint is not None
         return -multiplier[:, self._multipliers(self.drive_constraint)[0]]
+
+    def against_frame(
+        self, position: FloatArray, velocity: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Coordinates (m, n) and their rates with the hub's rotation against its frame."""
+        if self.frame is None:
+            return position, velocity
+        moved = self.frame.motion(position, velocity)
+        pair = ((position, moved.displacement), (velocity, moved.rate))
+        place, rate = (np.column_stack([q[:, :-1], q[:, -1] - f[:, 2]]) for q, f in pair)
+        return place, rate
 
     def set_start(
         self, position: FloatArray, velocity: FloatArray, moved: FrameMotion | None = None
@@ -223,25 +233,27 @@ class RunningModel:
         Returns
         -------
         ndarray, shape (n,)
-            Exudyn's coordinates: of links and attached bodies, of a motor or of a frame on
-            springs, and of the hub, which come last.
+            Exudyn's coordinates: of links and attached bodies, of a frame on springs, of a motor,
+            and of the hub, which come last.
         ndarray, shape (n,)
             Their rates.
         """
         nodes = self.assembly.nodes.to_nodes(position)
         velocity = self.assembly.nodes.rate_to_nodes(position, velocity)
-        hub, turning, between = np.zeros(3), np.zeros(3), (np.zeros(0), np.zeros(0))
+        hub, turning, motor = np.zeros(3), np.zeros(3), (np.zeros(0), np.zeros(0))
         if self._motor is not None:
-            between = self._motor.start(self.shaft.angle(0.0))
+            motor = self._motor.start(self.shaft.angle(0.0))
         if self.frame is not None:
             assert moved is not None
-            between = moved.displacement[0], moved.rate[0]
-            hub[:2], turning[:2] = self.frame.at(_AXIS, moved)
-            hub[2], turning[2] = between[0][2], between[1][2]
+            nodes = np.append(nodes, moved.displacement[0])
+            velocity = np.append(velocity, moved.rate[0])
+            pair = moved.displacement, moved.rate
+            hub[:2], turning[:2] = self.frame.frame.point_motion(_AXIS, *pair)
+            hub[2], turning[2] = moved.displacement[0, 2], moved.rate[0, 2]
         hub[2] += self.shaft.angle(0.0)
         turning[2] += self.shaft.motion(0.0)[1]
-        coordinates = np.concatenate([nodes, between[0], hub])
-        rates = np.concatenate([velocity, between[1], turning])
+        coordinates = np.concatenate([nodes, motor[0], hub])
+        rates = np.concatenate([velocity, motor[1], turning])
         initial = load_exudyn().ConfigurationType.Initial
         data = self.assembly.mbs.systemData
         data.SetODE2Coordinates(coordinates, initial)
@@ -292,25 +304,29 @@ class RunningModel:
         items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=markers)
         drive = None
         if torque is None:
-            before = assembly.fixed
-            if self.frame is not None:
-                # The drive stands on the frame: what it prescribes is the angle against that.
-                before = self.frame.add_angle_marker("frame_angle")
+            # The drive stands on the frame: what it prescribes is the angle against that.
+            before = assembly.add_angle_marker(None, "frame_angle")
             drive = assembly.add_constraint("crank_drive", before, node, 2, **self._turning())
         inertia = 0.0 if torque is None else float(assembly.mechanism.shaft_inertia)
         hub = items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=inertia)
         if isinstance(torque, MotorOnHub):
-            torque.add_object(items, of_motor, node)
+            below = None if self.frame is None else self.frame.node
+            torque.add_object(items, of_motor, node, below)
         elif torque is not None:
-            rows = np.pad(torque.torque[:, None], ((0, 0), (2, 0))).tolist()
-            history = self.shaft, 0.0, "time", torque.time.tolist(), rows, True
-            items.add(
-                "LoadTorqueVector",
-                "crank_drive",
-                markerNumber=on_hub,
-                loadVector=[0.0, 0.0, 1.0],
-                loadVectorUserFunction=Made(load_history, history),
-            )
+            on = [("crank_drive", on_hub, 1.0)]
+            if self.frame is not None:
+                reaction = self.frame.add_marker(_AXIS, "crank_drive_on_frame")
+                on.append(("crank_drive_reaction", reaction, -1.0))
+            for name, marker, sign in on:
+                rows = np.pad(sign * torque.torque[:, None], ((0, 0), (2, 0))).tolist()
+                history = self.shaft, 0.0, "time", torque.time.tolist(), rows, True
+                items.add(
+                    "LoadTorqueVector",
+                    name,
+                    markerNumber=marker,
+                    loadVector=[0.0, 0.0, 1.0],
+                    loadVectorUserFunction=Made(load_history, history),
+                )
         return hub, drive
 
     def _turning(self) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
 from flexmech.linkages import MotorRun, RigidMotion, Topology, carried_motion
 from flexmech.multibody.items import Setting, applied, load_exudyn, solver_settings
 from flexmech.multibody.running.frame_body import FrameBody
-from flexmech.multibody.running.loads import SectionCouples
+from flexmech.multibody.running.loads import MotorOnHub, SectionCouples
 from flexmech.multibody.running.model import RunningModel
 from flexmech.time_domain import (
     FrameMotion,
@@ -204,10 +204,12 @@ class Simulation:
         shaft = self._shaft_motion(time, position, velocity)
         torque = self.model.driving_torque(time, position, velocity, multiplier)
         motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
-        frame, carried, turn = None, motion, np.zeros(len(time))
+        frame, carried, turn, spin = None, motion, *np.zeros((2, len(time)))
         if (body := self.model.frame) is not None:
             frame = body.motion(position, velocity)
-            carried, turn = _carried(body, motion, frame), frame.displacement[:, 2]
+            carried = _carried(body, motion, frame)
+            turn, spin = frame.displacement[:, 2], frame.rate[:, 2]
+        states = self.model.against_frame(position, velocity)
         links = slice(0, assembly.size)
         velocity = assembly.nodes.rate_to_axis(position[:, links], velocity[:, links])
         position = assembly.nodes.to_axis(position[:, links])
@@ -223,7 +225,7 @@ class Simulation:
                 dissipation += part_of.dissipation
         if shaft is not None:
             inertia = assembly.mechanism.shaft_inertia
-            kinetic += inertia * motion.crank_speed**2 / 2
+            kinetic += inertia * (motion.crank_speed + spin) ** 2 / 2
         work = self.model.connectors.work(time, motion, displacement, rate, carried)
         sprung = self.model.connectors.joint_forces(motion, displacement, rate)
         strain += work.stored
@@ -245,8 +247,11 @@ class Simulation:
             prestress_power=work.power + power,
             shaft=shaft,
         )
-        weight = assembly.mechanism.gravity
-        return block if body is None or frame is None else body.added(block, frame, weight)
+        if body is None or frame is None:
+            return block
+        block = body.added(block, frame, assembly.mechanism.gravity)
+        motor = self.model.torque
+        return motor.on_frame(block, *states) if isinstance(motor, MotorOnHub) else block
 
     def _shaft_motion(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray
@@ -256,7 +261,8 @@ class Simulation:
         if not shaft.is_free:
             return None
         mean = np.array([shaft.motion(t) for t in time.tolist()])
-        return ShaftMotion(position[:, -1] - mean[:, 0], velocity[:, -1] - mean[:, 1])
+        place, rate = self.model.against_frame(position, velocity)
+        return ShaftMotion(place[:, -1] - mean[:, 0], rate[:, -1] - mean[:, 1])
 
     def _displaced_motion(self, time: FloatArray, shaft: ShaftMotion) -> RigidMotion:
         """Motion of the rigid linkage with a free shaft; a state needs no acceleration."""

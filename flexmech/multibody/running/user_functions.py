@@ -74,9 +74,19 @@ class Shaft:
             return angle, speed / duration, gain / duration**2
         return angle + self.final_speed * after, self.final_speed, 0.0
 
-    def hub_angle(self, position: Any, t: float) -> float:
-        """Angle of the hub, whose coordinate is the last one of the system."""
-        return float(position[-1]) if self.is_free else self.angle(t)
+    def hub_angle(self, position: Any, t: float, below: float = 0.0) -> float:
+        """Angle of the hub against what carries it, in rad.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system, of which the last one is the hub's angle.
+        t : float
+            In s.
+        below : float
+            Angle of a frame on springs in rad.
+        """
+        return float(position[-1]) - below if self.is_free else self.angle(t)
 
     def constraint_angle(self, mbs: Any, t: float, number: int, offset: float) -> float:
         """User function of a constraint: its offset.
@@ -202,16 +212,17 @@ class JoinedEnd:
 
 @dataclass(frozen=True)
 class PlaceGap:
-    """Two points that are one; without a leader, a point and a place of ground or hub.
+    """Two points that are one: of a follower, and of its leader, or of the ground.
 
     Parameters
     ----------
     follower : JoinedEnd
     leader : JoinedEnd or None
+        None of the ground.
     place : tuple of float
-        Of the point without a leader, in m.
+        From the leader, or of the point of the ground, in m.
     on_hub : bool
-        Whether that place turns with the hub.
+        Whether that place turns with the hub, and with its leader.
     """
 
     follower: JoinedEnd
@@ -229,16 +240,21 @@ class PlaceGap:
         turn : float
             Angle of the hub in rad.
         """
-        x, y = self.place
-        if self.on_hub:
-            x, y = (
-                math.cos(turn) * x - math.sin(turn) * y,
-                math.sin(turn) * x + math.cos(turn) * y,
-            )
+        x, y = self._arm(position, turn)
         if self.leader is not None:
-            x, y = self.leader.place(position)
+            leader = self.leader.place(position)
+            x, y = x + leader[0], y + leader[1]
         follower = self.follower.place(position)
         return follower[0] - x, follower[1] - y
+
+    def _arm(self, position: Any, turn: float) -> tuple[float, float]:
+        x, y = self.place
+        if not self.on_hub:
+            return x, y
+        if self.leader is not None:
+            turn += self.leader.angle(position)
+        cosine, sine = math.cos(turn), math.sin(turn)
+        return cosine * x - sine * y, sine * x + cosine * y
 
     def close(self, position: Any, turn: float) -> None:
         """Move the follower's node, in place, to close it; see :meth:`gap`."""
@@ -257,8 +273,10 @@ class PlaceGap:
             Added to.
         """
         if self.leader is not None:
-            self.leader.add_row(position, rows[0], -1.0, 0.0, 0.0)
-            self.leader.add_row(position, rows[1], 0.0, -1.0, 0.0)
+            # The hub's angle is the last coordinate; other places do not turn.
+            x, y = self._arm(position, position[-1]) if self.on_hub else (0.0, 0.0)
+            self.leader.add_row(position, rows[0], -1.0, 0.0, y)
+            self.leader.add_row(position, rows[1], 0.0, -1.0, -x)
         self.follower.add_row(position, rows[0], 1.0, 0.0, 0.0)
         self.follower.add_row(position, rows[1], 0.0, 1.0, 0.0)
 
@@ -415,7 +433,8 @@ class ClosedJoints:
         below 1e-9 it is a hundredth or so, which the next step corrects. The hub's
         angle is the last coordinate.
         """
-        position[-1] = turn = self.shaft.hub_angle(position, t)
+        below = 0.0 if self.axis is None else self.axis.angle(position)
+        position[-1] = turn = self.shaft.hub_angle(position, t, below)
         if self.in_turn:
             for gap in self.gaps:
                 gap.close(position, turn)

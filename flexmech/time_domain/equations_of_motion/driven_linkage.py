@@ -360,7 +360,7 @@ class DrivenLinkage:
     shaft : DrivenShaft or None
         A shaft that is free.
     rotor : RotorCoupling or None
-        On a coupling to that, whose coordinate is the last one.
+        On a coupling to that, whose coordinate comes after those of the links.
     carried : CarriedLinkage or None
         With the frame on springs that carries the linkage, whose coordinates are the last three.
     condensed : ndarray of bool, shape (size,)
@@ -396,11 +396,9 @@ class DrivenLinkage:
         self.carried = CarriedLinkage.of(
             engine.mechanism, self.frames, self.unreduced, self.run_bases
         )
-        if self.carried is not None:
-            engine.require_prescribed_shaft("a linkage whose frame is on springs")
         self._motor = shaft_torque
         self.rotor = None if shaft_torque is None else shaft_torque.coupling
-        others = int(self.rotor is not None) if self.carried is None else COORDINATES
+        others = int(self.rotor is not None) + self._frame_size
         self.stretch = None
         if stretches:
             self.stretch = LinkageStretch(engine, self.frames, links, others)
@@ -426,13 +424,23 @@ class DrivenLinkage:
         return int(np.sum(~self.condensed))
 
     @property
+    def _frame_size(self) -> int:
+        """Number of coordinates of a frame on springs."""
+        return 0 if self.carried is None else COORDINATES
+
+    @property
+    def rotor_coordinate(self) -> int:
+        """Number of the coordinate of a rotor on a coupling, counted from the last one on."""
+        return -1 - self._frame_size
+
+    @property
     def shaft_coordinates(self) -> list[int]:
         """Numbers of the coordinates by which a free shaft and a rotor on a coupling turn."""
         if self.shaft is None:
             return []
         [column] = np.flatnonzero(self.shaft.coordinate)
         own = [int(np.sum(~self.condensed[:column]))]
-        return own if self.rotor is None else [*own, self.size - 1]
+        return own if self.rotor is None else [*own, self.size + self.rotor_coordinate]
 
     @property
     def is_condensed(self) -> bool:
@@ -500,7 +508,8 @@ class DrivenLinkage:
         if self.carried is not None:
             force = np.concatenate([force, self.carried.load(motion, time)], axis=1)
         if self._motor is not None:
-            force = self._motor.forces(time, force, self.drive.crank_acceleration(time))
+            turning = self.drive.crank_acceleration(time)
+            force = self._motor.forces(time, force, turning, self.frames.size)
         terms = RotationTerms.all_or_none(not frozen)
         tangents = [s.stiffness for s in stress]
         if self.shaft is not None and torque is not None:
@@ -517,10 +526,10 @@ class DrivenLinkage:
             matrices = self.stretch.added(matrices, motion, terms)
         if self.connectors.any:
             matrices = self.connectors.added(motion, matrices, terms, time)
-        if self.shaft is not None and self._motor is not None:
-            matrices = self._motor.added(time, matrices, self.shaft.coordinate)
         if self.carried is not None:
             matrices = self.carried.added(motion, matrices, terms, time=time)
+        if self.shaft is not None and self._motor is not None:
+            matrices = self._motor.added(time, matrices, self.shaft.coordinate)
         return Equations.condensed(motion, matrices, force, self.condensed)
 
     def quasi_static_equations(self, time: FloatArray) -> Equations:
@@ -608,11 +617,11 @@ class DrivenLinkage:
                 for both, (_, rate, _) in zip(nearest, moving, strict=True)
             ]
             values[1] = self.frames.independent(motion, rates)[0, :, 0]
+        if self.rotor is not None:
+            values = np.pad(values, ((0, 0), (0, 1)))
         if self.carried is not None:
             moved = state.moved
             values = np.concatenate([values, [moved.displacement[0], moved.rate[0]]], axis=1)
-        if self.rotor is not None:
-            values = np.pad(values, ((0, 0), (0, 1)))
         position, velocity = values[:, ~self.condensed]
         return position, velocity
 

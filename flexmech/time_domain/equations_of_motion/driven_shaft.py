@@ -15,8 +15,14 @@ controller. Along a known motion of what it turns, the crank's shaft or a rotor 
 that, it is a history; beside that it changes by ``-damping * rate - stiffness * rotation``, of the
 coordinate by which that turns. Runs are repeated, each with the torque along the motion of the one
 before (Newton's method on the whole motion), until nothing changes: what was left out of the
-change does not matter then. The rotor on a coupling is the last coordinate. It counts from the
-prescribed angle of the crank, with which the frames of the links turn.
+change does not matter then. The coordinate of a rotor on a coupling comes after those of the
+links. It counts from the prescribed angle of the crank, with which the frames of the links turn.
+
+All torques act between the shaft or the rotor and what carries them, the ground or a frame on
+springs, and all their coordinates are rotations against that: on the coordinates of the frame they
+have no share, since these carry stator and crank alike. A rotor with the inertia J behind a gear of
+the ratio n, which keeps the sense of rotation, turns n times as fast as the crank against the
+frame, and with the frame: its kinetic energy is ``J (n theta' + phi')^2 / 2``.
 """
 
 from __future__ import annotations
@@ -44,8 +50,6 @@ class RotorCoupling:
 
     Parameters
     ----------
-    motor : Motor
-        Whose coupling it is.
     start : tuple of float
         Twist at time zero in rad, and its rate in rad/s.
     torque : ndarray, shape (m,)
@@ -54,21 +58,21 @@ class RotorCoupling:
         What the coupling's torque by the coordinate of the shaft has less than by its rotation.
     """
 
-    motor: Motor
     start: tuple[float, float]
     torque: FloatArray
     lag: FloatArray
 
-    @property
-    def stiffness(self) -> float:
-        """Of the coupling in N m/rad."""
-        assert self.motor.coupling_stiffness is not None
-        return self.motor.coupling_stiffness
+    def started(self, state: VibrationState, rotor: int) -> VibrationState:
+        """A start with the twist that the coupling has at time zero.
 
-    def started(self, state: VibrationState) -> VibrationState:
-        """A start with the twist that the coupling has at time zero."""
+        Parameters
+        ----------
+        state : VibrationState
+        rotor : int
+            Number of the coordinate of the rotor.
+        """
         position, velocity = state.position.copy(), state.velocity.copy()
-        position[-1], velocity[-1] = self.start
+        position[rotor], velocity[rotor] = self.start
         return VibrationState(position, velocity, state.acceleration)
 
 
@@ -86,6 +90,7 @@ class ShaftTorque:
         In N m s/rad and N m/rad.
     across, turning : ndarray, shape (m,)
         Coordinate by which the shaft, or the rotor, turns in that motion, and its rate.
+    motor : Motor
     coupling : RotorCoupling, optional
         Between rotor and shaft.
     recorded : list
@@ -98,6 +103,7 @@ class ShaftTorque:
     stiffness: FloatArray
     across: FloatArray
     turning: FloatArray
+    motor: Motor
     coupling: RotorCoupling | None = None
     recorded: list[tuple[FloatArray, ...]] = field(default_factory=list, compare=False)
 
@@ -123,39 +129,49 @@ class ShaftTorque:
     def added(
         self, time: FloatArray, matrices: SystemMatrices, shaft: FloatArray
     ) -> SystemMatrices:
-        """Matrices with the answer of the motor, and with the rotor on a coupling.
+        """Matrices with the answer of the motor, and with its rotor.
+
+        A rotor without a coupling is in the inertia of the shaft, as if it stood on the crank: on a
+        frame on springs it gets the rates that it has behind its gear.
 
         Parameters
         ----------
         time : ndarray, shape (m,)
             In s.
         matrices : SystemMatrices
-            Of all coordinates but the rotor's, (m, n, n).
-        shaft : ndarray, shape (n,)
-            By these, that by which the shaft turns.
+            Of all coordinates but the rotor's, (m, n, n): of the links, and of a frame on springs.
+        shaft : ndarray, shape (size,)
+            By those of the links, that by which the shaft turns.
 
         Returns
         -------
         SystemMatrices
-            Arrays of shape (m, n + 1, n + 1) with a coupling.
+            Arrays of shape (m, n + 1, n + 1) with a coupling, after the coordinates of the links.
         """
-        more = (0, int(self.coupling is not None))
+        size, count = len(shaft), matrices.mass.shape[1]
+        new = [size] * (self.coupling is not None)
         parts = (matrices.mass, matrices.damping, matrices.stiffness)
-        mass, damped, held = (np.pad(part, ((0, 0), more, more)) for part in parts)
-        turned = np.pad(shaft, more)
+        mass, damped, held = (np.insert(np.insert(m, new, 0.0, 1), new, 0.0, 2) for m in parts)
+        every, motor = np.eye(mass.shape[1]), self.motor
+        turned, frame = shaft @ every[:size], every[-1] * (count > size)
+        counted = motor.inertia_at_crank * np.outer(turned + frame, turned + frame)
         if self.coupling is not None:
-            motor, rotor = self.coupling.motor, np.eye(len(turned))[-1]
-            twist, turned = np.outer(rotor - turned, rotor - turned), rotor
-            mass += motor.inertia_at_crank * np.outer(rotor, rotor)
+            assert motor.coupling_stiffness is not None
+            twist, turned = np.outer(every[size] - turned, every[size] - turned), every[size]
             damped += motor.coupling_damping * twist
-            held += self.coupling.stiffness * twist
+            held += motor.coupling_stiffness * twist
+            counted = np.zeros_like(counted)
+        geared = motor.gear_ratio * turned + frame
+        mass += motor.inertia * np.outer(geared, geared) - counted
         _, damping, stiffness, *_ = self.at(time)
         damped += damping[:, None, None] * np.outer(turned, turned)
         held += stiffness[:, None, None] * np.outer(turned, turned)
         return SystemMatrices(mass, damped, held)
 
-    def forces(self, time: FloatArray, force: FloatArray, acceleration: FloatArray) -> FloatArray:
-        """Forces (m, n) with that on the rotor on a coupling, (m, n + 1).
+    def forces(
+        self, time: FloatArray, force: FloatArray, acceleration: FloatArray, size: int
+    ) -> FloatArray:
+        """Forces (m, n) with that on the rotor on a coupling, (m, n + 1), and with its inertia.
 
         Parameters
         ----------
@@ -164,13 +180,18 @@ class ShaftTorque:
         force : ndarray, shape (m, n)
         acceleration : ndarray, shape (m,)
             Of the prescribed angle of the crank in rad/s^2.
+        size : int
+            Number of coordinates of the links, before those of a frame on springs.
         """
+        at_crank, total = self.motor.inertia_at_crank, force.copy()
+        if force.shape[1] > size:
+            counted = at_crank * (self.coupling is None)
+            total[:, -1] += (counted - self.motor.inertia * self.motor.gear_ratio) * acceleration
         if self.coupling is None:
-            return force
+            return total
         motor = np.interp(time, self.time, self.torque) + self.pull(time)
         lag = np.interp(time, self.time, self.coupling.lag)
-        turned = self.coupling.motor.inertia_at_crank * acceleration
-        return np.column_stack([force, motor - lag - turned])
+        return np.insert(total, size, motor - lag - at_crank * acceleration, axis=1)
 
     def beside(self, time: FloatArray, across: FloatArray, turning: FloatArray) -> FloatArray:
         """The torque of the motor (m,) where the coordinate and its rate have some values.
@@ -198,6 +219,45 @@ class ShaftTorque:
         parts = [np.concatenate(own) for own in zip(*self.recorded, strict=True)]
         time, first = np.unique(parts[0], return_index=True)
         return (time, *(own[first] for own in parts[1:]))
+
+
+def with_rotor(
+    block: StepBlock, motor: Motor, twist: FloatArray, speed: FloatArray, torque: FloatArray
+) -> StepBlock:
+    """Records on a frame on springs with the energies of a rotor, whose reaction the frame bears.
+
+    Parameters
+    ----------
+    block : StepBlock
+        With the motion of the frame. A rotor without a coupling counts in its kinetic energy as one
+        on the crank; of one on a coupling only the torque on the crank counts.
+    motor : Motor
+    twist : ndarray, shape (m,)
+        Of the coupling in rad.
+    speed : ndarray, shape (m,)
+        Of the rotor at the crank, against the frame, in rad/s.
+    torque : ndarray, shape (m,)
+        Of the motor at the crank in N m.
+
+    Returns
+    -------
+    StepBlock
+    """
+    assert block.frame is not None
+    spin = block.frame.rate[:, 2]
+    kinetic = block.kinetic_energy + motor.inertia * (motor.gear_ratio * speed + spin) ** 2 / 2
+    if motor.coupling_stiffness is None:
+        counted = motor.inertia_at_crank * (speed + spin) ** 2 / 2
+        return replace(block, kinetic_energy=kinetic - counted)
+    slip = speed - block.crank_speed
+    power = torque * speed - block.driving_torque * block.crank_speed
+    return replace(
+        block,
+        kinetic_energy=kinetic,
+        strain_energy=block.strain_energy + motor.coupling_stiffness * twist**2 / 2,
+        dissipation_power=block.dissipation_power + motor.coupling_damping * slip**2,
+        prestress_power=block.prestress_power + power,
+    )
 
 
 @dataclass(frozen=True)
@@ -357,12 +417,19 @@ class DrivenShaft:
         """
         shaft = self._motion(block.displacement[self.link], block.rate[self.link])
         shaft.refuse_runaway(self.drive, block.time)
+        prescribed = block.crank_speed
         block = replace(
             block,
-            crank_speed=block.crank_speed + shaft.rate,
+            crank_speed=prescribed + shaft.rate,
             driving_torque=self._given_torque(block, shaft, rotor),
             shaft=shaft,
         )
+        if self.given is not None and block.frame is not None:
+            torque, turned = block.driving_torque, (shaft.rotation, shaft.rate)
+            if rotor:
+                torque, turned = self.given.beside(block.time, *rotor), (rotor[0], rotor[1])
+            twist, speed = turned[0] - shaft.rotation, prescribed + turned[1]
+            block = with_rotor(block, self.given.motor, twist, speed, torque)
         if self.is_natural:
             return block
         displacement, rate = [], []
@@ -386,7 +453,7 @@ class DrivenShaft:
         if self.given.coupling is None:
             return self.given.beside(block.time, across, turning)
         twist = rotor[0] - shaft.rotation, rotor[1] - shaft.rate
-        return self.given.coupling.motor.coupling_torque(*twist)
+        return self.given.motor.coupling_torque(*twist)
 
     def turned_back(self, run: Trajectory) -> Trajectory:
         """A run in the frames of the rigid linkage at the angle that the shaft has.

@@ -142,10 +142,11 @@ class LinkageDynamics:
             prestress_power=prestress + work.power,
         )
         if linkage.carried is not None:
-            return _on_its_frame(block, linkage.carried, places[0], places[1])
+            block = _on_its_frame(block, linkage.carried, places[0], places[1])
         if linkage.shaft is None:
             return block
-        rotor = [] if linkage.rotor is None else [part[:, -1] for part in coordinates[:2]]
+        at = linkage.rotor_coordinate
+        rotor = [] if linkage.rotor is None else [part[:, at] for part in coordinates[:2]]
         return linkage.shaft.carried(block, motion, rotor)
 
     def _joint_forces(

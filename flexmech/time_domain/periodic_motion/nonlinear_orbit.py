@@ -26,7 +26,7 @@ from flexmech.time_domain.equations_of_motion.driven_connectors import LinkMotio
 from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, RunningForces
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
 from flexmech.time_domain.periodic_motion.shooting import CRITICAL
-from flexmech.time_domain.recorded_runs.states import LinkState
+from flexmech.time_domain.recorded_runs.states import FrameMotion, LinkState
 
 logger = logging.getLogger(__name__)
 
@@ -59,7 +59,8 @@ class NonlinearOrbit:
     crank_speed : float
         In rad/s.
     independent : ndarray, shape (N, n)
-        Independent coordinates z of the unreduced links at crank angles ``2 pi k / N``.
+        Independent coordinates z of the unreduced links at crank angles ``2 pi k / N``, and of a
+        frame on springs.
     beyond_linear : tuple of ndarray, shape (N, n_link)
         Displacement of each link beyond that which is linear in z, by finite poses of rigid links.
     linkage : Linkage
@@ -100,7 +101,7 @@ class NonlinearOrbit:
         tuple of list of ndarray, shape (A, n_link)
             The derivative is that in the link's frame.
         """
-        moving = self._moving(crank_angle)[1]
+        _, moving, _ = self._moving(crank_angle)
         return [q for q, _, _ in moving], [v for _, v, _ in moving]
 
     def stressed_links(self, engine: Engine, crank_angle: ArrayLike) -> StressedLinks:
@@ -118,11 +119,11 @@ class NonlinearOrbit:
         StressedLinks
             Batch of A positions.
         """
-        motion, moving = self._moving(crank_angle)
-        return RunningForces(engine, motion).stressed(moving)
+        motion, moving, places = self._moving(crank_angle)
+        return RunningForces(engine, motion).on_frame(places).stressed(moving)
 
-    def _moving(self, crank_angle: ArrayLike) -> tuple[RigidMotion, LinkMotion]:
-        """Rigid motion at crank angles (A,); displacement and its two rates of each link."""
+    def _moving(self, crank_angle: ArrayLike) -> tuple[RigidMotion, LinkMotion, list[FloatArray]]:
+        """Rigid motion at crank angles (A,); displacement and two rates of links and frame."""
         angle = np.asarray(crank_angle, dtype=float)
         motion = self.linkage.motion(angle, np.full(len(angle), self.crank_speed))
         first, second = differentiation_matrices(len(self.independent), self.crank_speed)
@@ -130,17 +131,27 @@ class NonlinearOrbit:
         def with_rates(samples: FloatArray) -> list[FloatArray]:
             return [_at_angles(s, angle) for s in (samples, first @ samples, second @ samples)]
 
-        linear = self.frames.link_motion(motion, *with_rates(self.independent))
+        count = self.frames.size
+        linear = self.frames.link_motion(motion, *with_rates(self.independent[:, :count]))
         beyond = [with_rates(samples) for samples in self.beyond_linear]
-        return motion, [
+        moving = [
             (q + more, v + faster, a + change)
             for (q, v, a), (more, faster, change) in zip(linear, beyond, strict=True)
         ]
+        on_springs = self.independent.shape[1] > count
+        return motion, moving, with_rates(self.independent[:, count:]) if on_springs else []
 
     def state(self, crank_angle: float) -> LinkState:
         """State of the links at a crank angle in rad."""
         displacement, rate = self.at([crank_angle])
-        return LinkState([q[0] for q in displacement], [v[0] for v in rate])
+        return LinkState(
+            [q[0] for q in displacement], [v[0] for v in rate], self.frame_motion([crank_angle])
+        )
+
+    def frame_motion(self, crank_angle: ArrayLike) -> FrameMotion | None:
+        """Motion of a frame on springs at crank angles (A,) in rad; None where it stands."""
+        places = self._moving(crank_angle)[2]
+        return FrameMotion(*places[:2]) if places else None
 
 
 def _at_angles(z: FloatArray, crank_angle: FloatArray) -> FloatArray:
@@ -159,7 +170,7 @@ def nonlinear_orbit(
     Parameters
     ----------
     engine : Engine
-        With a prescribed shaft and a frame that stands.
+        With a prescribed shaft.
     crank_speed : float
         In rad/s, not zero.
     near : NonlinearOrbit, optional
@@ -174,8 +185,8 @@ def nonlinear_orbit(
     Raises
     ------
     InputError
-        If the speed is zero, the shaft free, the frame on springs, or what acts on the links does
-        not repeat itself every turn.
+        If the speed is zero, the shaft free, or what acts on the links does not repeat itself every
+        turn.
     ComputationError
         If no periodic motion is found, the crank speed is critical, or the harmonics do not
         fade out.
@@ -204,7 +215,7 @@ def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> N
     for count in (number for number in SAMPLES if number >= enough):
         equations = OrbitEquations(engine, crank_speed, count)
         still = _equilibrium(equations)
-        straight = np.zeros((count, equations.frames.size))
+        straight = np.zeros((count, equations.size))
         starts = [straight if still is None else _independent(equations, still)]
         if z is not None:
             starts.insert(0, _at_angles(z, equations.motion.crank_angle))
@@ -312,9 +323,12 @@ def _equilibrium(equations: OrbitEquations) -> list[FloatArray] | None:
 
 
 def _independent(equations: OrbitEquations, displacement: Sequence[FloatArray]) -> FloatArray:
-    """Independent coordinates z (N, n) of the displacement of each link, (N, n_link)."""
+    """Coordinates z (N, n) of the displacement of each link, (N, n_link), on a frame at rest."""
     columns = [q[..., None] for q in displacement]
-    return np.asarray(equations.frames.independent(equations.motion, columns)[..., 0], dtype=float)
+    z = np.zeros((equations.samples, equations.size))
+    own = equations.frames.size
+    z[:, :own] = equations.frames.independent(equations.motion, columns)[..., 0]
+    return z
 
 
 def _at_stations(equations: OrbitEquations, displacement: Sequence[FloatArray]) -> FloatArray:

@@ -15,12 +15,22 @@ angles. That is exact for Exudyn's cables, whose coordinates are vectors; sectio
 of small rotations against their link frame. N is the derivative of the links' coordinates q by the
 independent ones z. Both are linear, but for rigid links and sliders, whose constraints hold at
 finite displacements.
+
+A frame on springs has three coordinates more at the end of z. The frames of the links move with it
+by any displacement and rotation: their inertia, weight and loads are those of the motion in ground
+axes. Its own rows balance its inertia, springs, dampers and weight with the resultants of inertia
+and loads of all links, all where they are displaced to. The moment of a link's inertia is that of
+the forces on its nodes, exact but for what shape functions bend between them. In Newton's matrices,
+and there alone, the coupling of the links with the frame is that of straight links and small
+rotations (:class:`flexmech.linear_system.CarriedLinkage`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -28,6 +38,7 @@ from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import differentiation_matrices
 from flexmech.linear_system import (
     AttachedPoint,
+    CarriedLinkage,
     ConnectedMatrices,
     DependentRows,
     DisplacedTies,
@@ -45,7 +56,8 @@ from flexmech.linear_system import (
     with_rigid_links,
 )
 from flexmech.linear_system.links.chains import with_entries
-from flexmech.linkages import RigidMotion
+from flexmech.linkages import RigidMotion, carried_motion, turned
+from flexmech.linkages.motion import cross, direction, normal
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors, LinkMotion
 
 FROZEN = RotationTerms.all_or_none(False)
@@ -78,18 +90,36 @@ class RunningForces:
     ----------
     engine : Engine
     motion : RigidMotion
-        Batch of shape (N,).
+        Batch of shape (N,), on a frame that stands.
 
     Attributes
     ----------
     frames : LinkFrames
         Of the unreduced links.
+    whole : RigidMotion
+        The motion in ground axes, with that of a frame on springs; see :meth:`on_frame`.
     """
 
     def __init__(self, engine: Engine, motion: RigidMotion) -> None:
-        self._engine, self.motion = engine, motion
+        self._engine, self.motion, self.whole = engine, motion, motion
         self.frames = LinkFrames(engine.topology, engine.links)
         self._inertias = [LinkInertia.of(link, link, np.eye(link.size)) for link in engine.links]
+
+    def on_frame(self, places: Sequence[FloatArray]) -> Self:
+        """These forces on a frame on springs that moves.
+
+        Parameters
+        ----------
+        places : sequence of ndarray, shape (N, 3)
+            Displacement and rotation of the frame and their first two time derivatives; empty of
+            one that stands.
+        """
+        moved = copy(self)
+        if places:
+            frame = self._engine.mechanism.frame
+            assert frame is not None
+            moved.whole = carried_motion(frame.centre, self.motion, *places)
+        return moved
 
     def ties(self, z: FloatArray) -> DisplacedTies:
         """Constraints at finite displacements of rigid links and sliders, by coordinates (N, n)."""
@@ -111,42 +141,73 @@ class RunningForces:
         """
         engine, displacement = self._engine, [q for q, _, _ in moving]
         z = self.frames.independent(self.motion, [q[..., None] for q in displacement])[..., 0]
-        stressed, pushes = engine.running_links(self.motion, displacement), self.pushes(moving)
-        forces = self.out_of_balance(stressed, moving, pushes)
-        stressed = self.with_bodies(stressed, moving, self.ties(z), forces, pushes)
+        stressed = engine.running_links(self.motion, displacement)
+        loads, springs = self.pushes(moving)
+        forces = self.inertia_and_loads(moving, loads)
+        forces = self.out_of_balance(stressed, moving, forces, springs)
+        stressed = self.with_bodies(stressed, moving, self.ties(z), forces, [*loads, *springs])
         more = engine.damping_stiffness(self.motion, displacement, [rate for _, rate, _ in moving])
         return replace(stressed, damping_stiffness=more)
 
-    def pushes(self, moving: LinkMotion) -> list[PointForce]:
-        """Forces of loads and springs on points of the displaced links."""
+    def pushes(self, moving: LinkMotion) -> tuple[list[PointForce], list[PointForce]]:
+        """Forces of loads and of springs on points of the displaced links.
+
+        In axes that have turned with a frame on springs, against which loads turn back.
+        """
         if not self._engine.connectors.any:
-            return []
+            return [], []
         displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
         connectors, at = self._engine.connectors, (self.motion, displacement)
-        return [*connectors.point_forces(*at, rate=rate), *connectors.radial_forces(*at, rate)]
+        pushes = [*connectors.point_forces(*at, rate=rate), *connectors.radial_forces(*at, rate)]
+        loads, back = len(self._engine.mechanism.loads), self.motion.angle - self.whole.angle
+        turned_back = [
+            replace(push, force=turned(push.force, back[:, push.point.link]))
+            for push in pushes[:loads]
+        ]
+        return turned_back, pushes[loads:]
 
-    def out_of_balance(
-        self, stressed: StressedLinks, moving: LinkMotion, pushes: Sequence[PointForce]
+    def inertia_and_loads(
+        self, moving: LinkMotion, loads: Sequence[PointForce]
     ) -> list[FloatArray]:
-        """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
-        forces, motion, gravity = [], self.motion, self._engine.mechanism.gravity
-        assert stressed.internal_force is not None
-        damping = stressed.damping or [link.damping for link in self._engine.links]
-        for number, model in enumerate(self._engine.links):
+        """Inertia forces (N, n_link) less weight and loads on each link."""
+        forces, motion, gravity = [], self.whole, self._engine.mechanism.gravity
+        for number, link in enumerate(self._engine.links):
             elastic = moving[number]
             link_motion = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
             force = self._inertias[number].shape_forces(link_motion)
-            if not model.rigid:
-                force += stressed.internal_force[number]
-                force += times(damping[number], link_motion.rate)
-            for body in model.bodies:
+            for body in link.bodies:
                 moved = (x @ body.rows.T for x in elastic)
                 force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
             forces.append(force)
+        self._subtract(loads, forces, moving)
+        return forces
+
+    def out_of_balance(
+        self,
+        stressed: StressedLinks,
+        moving: LinkMotion,
+        forces: Sequence[FloatArray],
+        springs: Sequence[PointForce],
+    ) -> list[FloatArray]:
+        """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
+        assert stressed.internal_force is not None
+        damping = stressed.damping or [link.damping for link in self._engine.links]
+        whole = [
+            force
+            if link.rigid
+            else force + stressed.internal_force[number] + times(damping[number], moving[number][1])
+            for number, (link, force) in enumerate(zip(self._engine.links, forces, strict=True))
+        ]
+        self._subtract(springs, whole, moving)
+        return whole
+
+    def _subtract(
+        self, pushes: Sequence[PointForce], forces: list[FloatArray], moving: LinkMotion
+    ) -> None:
+        """Take forces on points of the displaced links from those on the links, in place."""
         for push in pushes:
             link = push.point.link
-            forces[link] -= push.on_link(motion, moving[link][0])
-        return forces
+            forces[link] -= push.on_link(self.motion, moving[link][0])
 
     def with_bodies(
         self,
@@ -162,7 +223,7 @@ class RunningForces:
         for number, link in enumerate(self._engine.links):
             for body in link.bodies:
                 moved = (x @ body.rows.T for x in moving[number])
-                stiffness = body.rotation_stiffness(self.motion, number, gravity, *moved)
+                stiffness = body.rotation_stiffness(self.whole, number, gravity, *moved)
                 if link.rigid:
                     by_rotation[number] = stiffness
                 else:
@@ -186,7 +247,7 @@ class OrbitState:
     Parameters
     ----------
     z : ndarray, shape (N, n)
-        Independent coordinates of the unreduced links at the samples.
+        Independent coordinates of the unreduced links at the samples, and of a frame on springs.
     displacement, rate : list of ndarray, shape (N, n_link)
         Of each link in its frame, and its time derivative.
     beyond_linear : list of ndarray, shape (N, n_link)
@@ -228,9 +289,8 @@ def require_periodic_motion(engine: Engine) -> None:
     Raises
     ------
     InputError
-        If the frame is on springs, a load goes over time, or a spring is wound up turn by turn.
+        If a load goes over time, or a spring is wound up turn by turn.
     """
-    engine.require_standing_frame("a periodic motion at large displacements")
     DrivenConnectors(engine, engine.frames).require_periodic()
 
 
@@ -250,8 +310,12 @@ class OrbitEquations:
     ----------
     frames : LinkFrames
         Of the unreduced links.
+    carried : CarriedLinkage or None
+        With the frame on springs that carries the links.
+    size : int
+        Number n of coordinates.
     motion : RigidMotion
-        Batch of shape (N,).
+        Batch of shape (N,), on a frame that stands.
     first, second : ndarray, shape (N, N)
         See :func:`flexmech.dynamical_systems.differentiation_matrices`.
     load : ndarray, shape (N, n)
@@ -271,15 +335,20 @@ class OrbitEquations:
         self.motion: RigidMotion = linkage.motion(
             2 * np.pi / samples * np.arange(samples), np.full(samples, float(crank_speed))
         )
-        self._running = RunningForces(engine, self.motion)
-        self.frames = self._running.frames
+        self._standing = RunningForces(engine, self.motion)
+        self.frames = self._standing.frames
         self.first, self.second = differentiation_matrices(samples, crank_speed)
         self._zero = [np.zeros((link.size, link.size)) for link in links]
-        self.mass = self.frames.assemble(self.motion, self._zero, FROZEN, self._zero).mass
+        self.carried = CarriedLinkage.of(engine.mechanism, self.frames, links)
+        still_links = self.frames.assemble(self.motion, self._zero, FROZEN, self._zero)
+        self.mass = self._carried(self.frames, still_links, FROZEN).mass
+        self.size = self.mass.shape[1]
         loads = engine.connectors.with_inertia(links, self.motion)
         self.load = self.frames.gather(self.motion, loads)
+        if self.carried is not None:
+            self.load = np.concatenate([self.load, self.carried.load(self.motion)], axis=1)
         still = [np.zeros((samples, link.size)) for link in links]
-        frames = self._frames_at(self._running.ties(np.zeros((samples, self.frames.size))))
+        frames = self._frames_at(self._standing.ties(np.zeros((samples, self.frames.size))))
         straight = self._stiffness(
             frames, [link.stiffness for link in links], self._connected(still, frames)
         )
@@ -297,7 +366,22 @@ class OrbitEquations:
         connected: ConnectedMatrices | None,
     ) -> FloatArray:
         total = frames.assemble(self.motion, tangent, FROZEN, self._zero).stiffness
-        return total if connected is None else total + connected.potential
+        if connected is not None:
+            total = total + connected.potential
+        if self.carried is None:
+            return total
+        more = self.size - total.shape[1]
+        total = np.pad(total, ((0, 0), (0, more), (0, more)))
+        total[:, -more:, -more:] = self.carried.frame.stiffness
+        return total
+
+    def _carried(
+        self, frames: LinkFrames, matrices: SystemMatrices, terms: RotationTerms
+    ) -> SystemMatrices:
+        """Matrices of the linkage with those of a frame on springs, if that carries it."""
+        if self.carried is None:
+            return matrices
+        return replace(self.carried, frames=frames).added(self.motion, matrices, terms)
 
     def error(self, residual: FloatArray) -> float:
         """Norm of forces (N, n) over that of the loads.
@@ -321,8 +405,11 @@ class OrbitEquations:
         OrbitState
         """
         velocity, acceleration = self.first @ z, self.second @ z
-        moving = self.frames.link_motion(self.motion, z, velocity, acceleration)
-        ties, beyond = self._running.ties(z), []
+        parts, count = (z, velocity, acceleration), self.frames.size
+        moving = self.frames.link_motion(self.motion, *(part[:, :count] for part in parts))
+        places = [] if self.carried is None else [part[:, count:] for part in parts]
+        running = self._standing.on_frame(places)
+        ties, beyond = running.ties(z), []
         for link, (q, rate, change) in enumerate(moving):
             linear = q.copy()
             ties.put_places(link, q)
@@ -331,10 +418,15 @@ class OrbitEquations:
             change += self.second @ beyond[-1]
         displacement, frames = [q for q, _, _ in moving], self._frames_at(ties)
         stressed = self.engine.running_links(self.motion, displacement)
-        pushes, connected = self._running.pushes(moving), self._connected(displacement, frames)
-        forces = self._running.out_of_balance(stressed, moving, pushes)
-        residual = times(self.mass, damping_rate * velocity) + frames.gather(self.motion, forces)
-        stressed = self._running.with_bodies(stressed, moving, ties, forces, pushes)
+        connected = self._connected(displacement, frames)
+        loads, springs = running.pushes(moving)
+        forces, rows = running.inertia_and_loads(moving, loads), []
+        if self.carried is not None:
+            rows = [self._on_frame(forces, moving, running.whole, places)]
+        forces = running.out_of_balance(stressed, moving, forces, springs)
+        rows.insert(0, frames.gather(self.motion, forces))
+        residual = times(self.mass, damping_rate * velocity) + np.concatenate(rows, axis=1)
+        stressed = running.with_bodies(stressed, moving, ties, forces, [*loads, *springs])
         rates = [rate for _, rate, _ in moving]
         error = self.error(residual)
         return OrbitState(
@@ -377,11 +469,11 @@ class OrbitEquations:
             stressed.guide_stiffness,
             body_turns(self.engine.links, state.displacement),
         )
-        damped, stiffness = links.damping + damping_rate * links.mass, links.stiffness
         if connected is not None:
-            damped = damped + connected.damping
-            stiffness = stiffness + connected.stiffness + connected.rate_stiffness
-        return SystemMatrices(links.mass, damped, stiffness)
+            stiffness = links.stiffness + connected.stiffness + connected.rate_stiffness
+            links = SystemMatrices(links.mass, links.damping + connected.damping, stiffness)
+        whole = self._carried(state.frames, links, RotationTerms())
+        return replace(whole, damping=whole.damping + damping_rate * whole.mass)
 
     def _with_changing_damping(self, state: OrbitState) -> StressedLinks:
         """Stressed links whose tangents have the change of the damping forces."""
@@ -406,10 +498,43 @@ class OrbitEquations:
             return PointJacobian(value, np.tensordot(self.first, value, 1))
 
         tangents = connectors.tangents(self.motion, displacement)
-        shape = self.mass.shape
+        shape = self.samples, self.frames.size, self.frames.size
         return connected_matrices(
             tangents, moved, shape, is_conservative=connectors.is_conservative
         )
+
+    def _on_frame(
+        self,
+        forces: Sequence[FloatArray],
+        moving: LinkMotion,
+        motion: RigidMotion,
+        places: Sequence[FloatArray],
+    ) -> FloatArray:
+        """Forces and moment (N, 3) that are out of balance on a frame on springs.
+
+        Parameters
+        ----------
+        forces : sequence of ndarray, shape (N, n_link)
+            Of inertia and loads on each link.
+        moving : LinkMotion
+        motion : RigidMotion
+            In ground axes.
+        places : sequence of ndarray, shape (N, 3)
+            Displacement and rotation of the frame and their time derivatives.
+        """
+        assert self.carried is not None
+        frame, (place, rate, change) = self.carried.frame, places
+        total = frame.spring_forces(place, rate) + change @ frame.inertia_matrix
+        total[:, :2] -= frame.mass * np.asarray(self.carried.gravity)
+        for number, (link, force) in enumerate(zip(self.engine.links, forces, strict=True)):
+            (x, y), q, angle = link.vectors, moving[number][0], motion.angle[:, number]
+            along, across = force @ link.fields.along, force @ link.fields.across
+            push = along[:, None] * direction(angle) + across[:, None] * normal(angle)
+            arm = motion.origin[:, number] - np.asarray(frame.centre) - place[:, :2]
+            displaced = np.sum(q[:, x] * force[:, y] - q[:, y] * force[:, x], axis=1)
+            total[:, :2] += push
+            total[:, 2] += force @ link.fields.tangential + displaced + cross(arm, push)
+        return total
 
     def _norm(self, force: FloatArray) -> float:
         return float(np.linalg.norm(times(self._half, force)))
