@@ -26,7 +26,6 @@ from flexmech.linear_system.assembly.prestress import (
     element_tensions,
     refuse_large_displacements,
     straight_forces,
-    ties_beyond_pins,
     with_rigid_links,
 )
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
@@ -161,6 +160,5 @@ __all__ = [
     "rigid_link",
     "straight_forces",
     "stressed_along_turn",
-    "ties_beyond_pins",
     "with_rigid_links",
 ]
