@@ -155,13 +155,14 @@ def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, Restr
     section, layers = mechanism.sections[link], mechanism.sections[link].layers
     if not isinstance(layers, LaminateSection) or layers.twist == "free":
         return section, None
+    # Before stiffnesses, which take time.
+    if not twists_matter(layers):
+        return section, None
     ends = {LinkEnd(link, "start"), LinkEnd(link, "end")}
     between_joints = ends <= mechanism.linkage.topology.joined_ends
     if not between_joints or section.bending_stiffness != layers.bending_stiffness:
         return section, None
     added = restrained_ends(layers, mechanism.link_mass(link).length)
-    if added is None:
-        return section, None
     free = BeamSection.of_laminate(replace(layers, twist="free"))
     kept: Mapping[str, object] = {
         name: getattr(section, name)
@@ -179,25 +180,23 @@ def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, Restr
 
 
 @lru_cache(maxsize=64)
-def restrained_ends(section: LaminateSection, length: float) -> RestrainedEnds | None:
+def restrained_ends(section: LaminateSection, length: float) -> RestrainedEnds:
     """Restraint by joints at both ends of a beam with free twist.
 
     Parameters
     ----------
     section : LaminateSection
+        Of plies whose twist matters.
     length : float
         In m.
 
     Returns
     -------
-    RestrainedEnds, optional
-        None where the plies are along or across, or no restraint by joints can matter. Of links
-        longer than :data:`SHORT` widths, of more than :data:`MOST_RUNS` runs of equal plies, and so
-        short that shear hides their bending, the constant torque of
+    RestrainedEnds
+        Of links longer than :data:`SHORT` widths, of more than :data:`MOST_RUNS` runs of equal
+        plies, and so short that shear hides their bending, the constant torque of
         :mod:`flexmech.sections.free_edges` alone.
     """
-    if not twists_matter(section):
-        return None
     free = replace(section, reduction="narrow", twist="free")
     if length > SHORT * section.width or len(layer_runs(section.laminate)[0]) > MOST_RUNS + 1:
         return _twist_alone(free, length)

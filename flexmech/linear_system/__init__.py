@@ -25,7 +25,6 @@ from flexmech.linear_system.assembly.prestress import (
     BalancedLoads,
     refuse_large_displacements,
     straight_forces,
-    ties_beyond_pins,
     with_rigid_links,
 )
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
@@ -156,6 +155,5 @@ __all__ = [
     "rigid_link",
     "straight_forces",
     "stressed_along_turn",
-    "ties_beyond_pins",
     "with_rigid_links",
 ]

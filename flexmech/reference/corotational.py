@@ -131,11 +131,6 @@ def by_elements(matrix: FloatArray, turns: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("eijb,ejb->eib", matrix, turns))
 
 
-def over_positions(matrix: FloatArray) -> FloatArray:
-    """Matrices (e, k, k) or (e, k, k, B) with a dimension for positions."""
-    return matrix[..., None] if matrix.ndim == 3 else matrix
-
-
 @dataclass(frozen=True)
 class LinearStrain:
     """Axial strain of elements to first order about a deformed state.
@@ -411,9 +406,9 @@ class CorotationalElements:
         own = matrix[:, 2:, 2:]
         lift = numbers.axial_stiffness * pure.lift
         np.multiply((lift * length[:, None])[:, :, None], pure.lift[:, None], out=own)
-        own += over_positions(numbers.bending)
+        own += numbers.bending[..., None]
         if stress is not None:
-            own += (stress.tension * length)[:, None, None] * over_positions(numbers.arch)
+            own += (stress.tension * length)[:, None, None] * numbers.arch[..., None]
         by_turn = own[:, self._angles].sum(axis=1)
         turning = by_turn[:, self._angles].sum(axis=1)
         both = -lift[:, self._angles].sum(axis=1)

@@ -52,7 +52,6 @@ MAY_BE_ZERO = {
 _STIFFNESSES = ("axial_stiffness", "bending_stiffness", "shear_stiffness")
 _INERTIAS = ("mass_per_length", "rotary_inertia")
 _NEUTRAL_AXIS = "neutral_axis"
-_STACKED = (*_STIFFNESSES, *_INERTIAS)
 UNDAMPED = DampingTimes(stated=False)
 # Shear stiffness over EI / length^2 of a link, in elements that shear, that has none: its n-th
 # frequency is low by (n pi)^2 / 2 over it, 5e-6 n^2. Round-off grows with the square of it, to 1e-4
