@@ -160,8 +160,3 @@ def _known(value: float, error: float) -> str:
     """A speed with the digits that a relative error leaves known."""
     digits = int(np.clip(np.floor(-np.log10(max(error, 1e-6))) + 1, 3, 6))
     return f"{value:.{digits}g}" if value < 10**digits else f"{value:.0f}"
-
-
-def _speeds(dataset: xr.Dataset) -> str:
-    unit, speeds = speed_unit(dataset), dataset["crank_speed"].values
-    return f"{speed_text(speeds[0], unit)} to {speed_text(speeds[-1], unit)} {unit}"
