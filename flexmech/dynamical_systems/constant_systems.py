@@ -38,9 +38,6 @@ from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_number
 
 # Complex numbers in memory at a time. Memory alone: 32 MB, a few times of which the solution takes.
 AT_ONCE = 2_000_000
-# Where numerator and denominator of the spectrum vanish together, f T = 1/2: so near to it their
-# ratio is the limit to six digits, and rounding leaves no more of it.
-NEAR_HALF = 1e-6
 # What has decayed by exp(-GONE), 3e-20, is below the round-off of what remains.
 GONE = 45.0
 
@@ -262,37 +259,11 @@ class HalfSinePulse:
         """Time at which the pulse is over, in s."""
         return self.start + self.duration
 
-    @property
-    def momentum(self) -> float:
-        """Integral of the force over the pulse in N s."""
-        return 2 * self.peak_force * self.duration / np.pi
-
     def force(self, time: ArrayLike) -> FloatArray:
         """Force in N at times in s, of their shape."""
         phase = (np.asarray(time, dtype=float) - self.start) / self.duration
         inside = (phase > 0) & (phase < 1)
         return np.where(inside, self.peak_force * np.sin(np.pi * phase), 0.0)
-
-    def spectrum(self, frequency: ArrayLike) -> ComplexArray:
-        """Fourier integral of the force in N s, ``int f(t) exp(-2j pi f t) dt``.
-
-        Parameters
-        ----------
-        frequency : array_like
-            In Hz.
-
-        Returns
-        -------
-        ndarray of complex, of the same shape
-        """
-        frequency = np.asarray(frequency, dtype=float)
-        periods = frequency * self.duration
-        half = np.abs(np.abs(periods) - 0.5) < NEAR_HALF
-        safe = np.where(half, 0.0, periods)
-        # Both vanish at one half, where the limit is pi / 4.
-        ratio = np.where(half, np.pi / 4, np.cos(np.pi * safe) / (1 - 4 * safe**2))
-        delay = np.exp(-2j * np.pi * frequency * (self.start + self.duration / 2))
-        return np.asarray(self.momentum * ratio * delay)
 
 
 def pulse_response(

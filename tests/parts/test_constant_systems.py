@@ -67,25 +67,6 @@ def test_the_response_to_a_pulse_is_that_of_the_matrix_exponential():
         assert displacement == pytest.approx(ROWS @ exact[:3], abs=1e-9 * np.abs(found).max())
 
 
-@pytest.mark.parametrize("frequency", [0.0, 25.0, 33.0, 75.0, 140.0])
-def test_the_spectrum_of_a_half_sine_is_its_fourier_integral(frequency):
-    """At one half of its inverse duration, 25 Hz, numerator and denominator vanish."""
-    pulse = HalfSinePulse(3.0, 0.02, start=0.01)
-    parts = [
-        scipy.integrate.quad(
-            lambda t, wave=wave: pulse.force(t) * wave(2 * np.pi * frequency * t),
-            0.01,
-            0.03,
-            epsabs=1e-12,
-        )[0]
-        for wave in (np.cos, np.sin)
-    ]
-    assert complex(pulse.spectrum(frequency)) == pytest.approx(
-        complex(parts[0], -parts[1]), abs=1e-8
-    )
-    assert pulse.momentum == pytest.approx(2 * 3.0 * 0.02 / np.pi)
-
-
 def test_critical_damping_is_no_sum_of_modes():
     with pytest.raises(ComputationError, match="one pole"):
         state_modes(np.eye(1), np.array([[2.0]]), np.eye(1))

@@ -14,7 +14,6 @@ from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.dynamical_systems import (
     ForcedPeriodicSystem,
     FourierSeries,
-    HalfSinePulse,
     SampledPeriodicSystem,
     balanced_response,
     direct_receptance,
@@ -36,15 +35,6 @@ def test_receptance_of_an_oscillator_is_the_textbooks() -> None:
     found = direct_receptance(m * one, c * one, k * one, one, one, frequency)[:, 0, 0]
     w = 2 * np.pi * frequency
     assert found == pytest.approx(1 / (k - m * w**2 + 1j * c * w), rel=1e-12)
-
-
-def test_spectrum_of_a_half_sine_pulse_is_its_fourier_integral() -> None:
-    pulse = HalfSinePulse(3.0, 0.02, 0.007)
-    time = np.linspace(0.0, 0.03, 30_001)
-    for frequency in (0.0, 12.0, 25.0, 140.0):  # 25 Hz is half a wave in the pulse
-        turned = pulse.force(time) * np.exp(-2j * np.pi * frequency * time)
-        assert pulse.spectrum(frequency) == pytest.approx(np.trapezoid(turned, time), abs=1e-7)
-    assert pulse.momentum == pytest.approx(2 * 3.0 * 0.02 / np.pi, rel=1e-12)
 
 
 def coupled() -> ForcedPeriodicSystem:
