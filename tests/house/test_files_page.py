@@ -39,3 +39,15 @@ def test_what_a_schema_names_is_there(analysis: str) -> None:
         assert not picture.draws or callable(getattr(plots, picture.draws))
         assert not picture.needs or picture.needs in schema.variables
     assert set(schema.when) <= set(schema.columns) | set(schema.tables)
+
+
+def test_every_variable_of_a_result_is_declared() -> None:
+    """But for coordinates that are names, such as those of links."""
+    result = flexmech.kinematics(
+        flexmech.load_mechanism(ROOT / "models" / "slider_crank.toml"), 1.0
+    )
+    declared = result.schema().variables
+    assert all(
+        name in declared or one.dims == (name,) for name, one in result.dataset.variables.items()
+    )
+    assert all(one.long_name for one in declared.values())
