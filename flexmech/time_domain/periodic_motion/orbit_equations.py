@@ -147,7 +147,7 @@ class RunningForces:
         forces = self.out_of_balance(stressed, moving, forces, springs)
         stressed = self.with_bodies(stressed, moving, self.ties(z), forces, [*loads, *springs])
         more = engine.damping_stiffness(self.motion, displacement, [rate for _, rate, _ in moving])
-        return replace(stressed, damping_stiffness=more)
+        return replace(stressed, damping_stiffness=more, motion=self.motion)
 
     def pushes(self, moving: LinkMotion) -> tuple[list[PointForce], list[PointForce]]:
         """Forces of loads and of springs on points of the displaced links.
