@@ -66,11 +66,11 @@ def test_letters_in_axes_of_the_user_are_those_of_his_settings() -> None:
     settings = {"font.family": "DejaVu Serif", "legend.fontsize": 15.0, "xtick.labelsize": 13.0}
     data = results.response().dataset
     with mpl.rc_context(settings):
-        axes = list(Figure().subplots(5, 1))
-        plots.plot_response(data, ax=axes)
-        plots.plot_campbell(results.campbell().dataset, ax=axes[3:])
+        axes = list(Figure().subplots(6, 1))
+        plots.plot_response(data, ax=axes[:5])
+        plots.plot_campbell(results.campbell().dataset, ax=axes[5])
         texts = axes[0].get_legend().get_texts()
-        (top,), labels = axes[0].child_axes, axes[3].texts
+        (top,), labels = axes[0].child_axes, axes[5].texts
         ticks = top.get_xticklabels()
     assert labels
     for shown, size in ((texts, 15.0), (ticks, 13.0), (labels, 13.0)):

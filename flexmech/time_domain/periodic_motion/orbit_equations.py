@@ -153,6 +153,11 @@ class RunningForces:
         """Forces of loads and of springs on points of the displaced links.
 
         In axes that have turned with a frame on springs, against which loads turn back.
+
+        Parameters
+        ----------
+        moving : list of tuple of ndarray, shape (N, n_link)
+            As of :meth:`stressed`.
         """
         if not self._engine.connectors.any:
             return [], []
@@ -169,7 +174,14 @@ class RunningForces:
     def inertia_and_loads(
         self, moving: LinkMotion, loads: Sequence[PointForce]
     ) -> list[FloatArray]:
-        """Inertia forces (N, n_link) less weight and loads on each link."""
+        """Inertia forces (N, n_link) less weight and loads on each link.
+
+        Parameters
+        ----------
+        moving : list of tuple of ndarray, shape (N, n_link)
+            As of :meth:`stressed`.
+        loads : sequence of PointForce
+        """
         forces, motion, gravity = [], self.whole, self._engine.mechanism.gravity
         for number, link in enumerate(self._engine.links):
             elastic = moving[number]
@@ -189,7 +201,18 @@ class RunningForces:
         forces: Sequence[FloatArray],
         springs: Sequence[PointForce],
     ) -> list[FloatArray]:
-        """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
+        """Forces (N, n_link) that are out of balance on each link but for those of its joints.
+
+        Parameters
+        ----------
+        stressed : StressedLinks
+            Elastic links as they are displaced.
+        moving : list of tuple of ndarray, shape (N, n_link)
+            As of :meth:`stressed`.
+        forces : sequence of ndarray, shape (N, n_link)
+            See :meth:`inertia_and_loads`.
+        springs : sequence of PointForce
+        """
         assert stressed.internal_force is not None
         damping = stressed.damping or [link.damping for link in self._engine.links]
         whole = [
@@ -217,7 +240,20 @@ class RunningForces:
         forces: Sequence[FloatArray],
         pushes: Sequence[PointForce],
     ) -> StressedLinks:
-        """Stressed links with the geometric stiffness of bodies and rigid links by all forces."""
+        """Stressed links with the geometric stiffness of bodies and rigid links by all forces.
+
+        Parameters
+        ----------
+        stressed : StressedLinks
+            Elastic links as they are displaced.
+        moving : list of tuple of ndarray, shape (N, n_link)
+            As of :meth:`stressed`.
+        ties : DisplacedTies
+        forces : sequence of ndarray, shape (N, n_link)
+            See :meth:`out_of_balance`.
+        pushes : sequence of PointForce
+            Loads and springs.
+        """
         by_rotation, tangent = {}, dict(enumerate(stressed.tangent))
         gravity = self._engine.mechanism.gravity
         for number, link in enumerate(self._engine.links):
