@@ -102,11 +102,13 @@ class StabilityMap(Result):
         ends = zip(data["band_lower_open"].values, data["band_upper_open"].values, strict=True)
         cut = np.array([" ".join(compress(("from", "to"), each)) for each in ends], dtype=str)
         told = data["unstable"].astype(object)
+        with np.errstate(over="ignore"):  # far from any equilibrium a turn multiplies by 1e308
+            modulus = np.exp(data["log_modulus"])
         return data.assign(
             told_unstable=told.where(told != NOT_COMPUTED),
             kind_at_speed=kind,
             branches_at_speed=branches,
-            modulus=np.exp(data["log_modulus"]),
+            modulus=modulus,
             band_error=("band", np.fmax(lower, upper)),
             band_cut=("band", cut),
         )
