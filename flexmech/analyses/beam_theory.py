@@ -34,7 +34,7 @@ LEFT_OUT = {
 # three-dimensional elements with rigid end faces, beams were 10 % low at 3, 5 % at 5 and 2 % at 8.
 SHORT, LONG = 3, 5
 LOW_BY = 10
-# Of frequencies: less does not tell why two engines differ by more than their errors.
+# Change of frequencies: less does not tell why two engines differ by more than their errors.
 NOTICED = 1e-4
 
 

@@ -33,9 +33,9 @@ ALONE = float(rcParamsDefault["figure.subplot.right"] - rcParamsDefault["figure.
 # Opacity of a line that turns at more than a third of its samples, so that each wave has less than
 # six, and at more than so many places: it is a band, through which others are seen.
 VEIL = 0.6
-# Of a label in inches, with some room.
+# Height of a label in inches, with some room.
 LABEL_HEIGHT = 0.1
-# Of looks, what says where something is drawn.
+# Entries of looks that say where something is drawn.
 NOT_IN_LEGEND = ("zorder", "ymax", "markevery", "clip_on")
 MOST_TURNING, LEAST_VEILED = 0.33, 100
 

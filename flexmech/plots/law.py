@@ -21,7 +21,7 @@ PRESCRIBED: Look = {"color": "0.15", "lw": 1.2}
 ENVELOPE: Look = {"color": MID_GREY, "lw": 0.9, "zorder": 1.5}
 STOP: Look = {"color": MID_GREY, "lw": 0.9, "ls": ":", "zorder": 0.5}
 SETTLED: Look = {"color": MID_GREY, "lw": 0.9, "ls": "--", "zorder": 1.2}
-# Of the range of a speed that fluctuates, beside it.
+# Room beside the range of a speed that fluctuates, over that range.
 _ROOM = 0.15
 _PANELS: tuple[tuple[str, reading.Units, str], ...] = (
     ("motor_torque", ((1.0, "N m"), (1e3, "N mm")), "Motor\ntorque"),

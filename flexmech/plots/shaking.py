@@ -25,7 +25,7 @@ from flexmech.plots.response import elastic_and_rigid, over_time
 _STACKED, _BESIDE = 3.9, 2.3
 # Of all bars of an order together, in orders.
 _BARS = 0.8
-# Of two rows of two panels in inches: four of them fit a page in one column.
+# Height of two rows of two panels in inches: four of them fit a page in one column.
 _HEIGHT = 4.0
 _ELASTIC: style.Look = {"alpha": 0.45, "lw": 0.9, "zorder": 1.5}
 _SHADE = "0.45"

@@ -20,7 +20,7 @@ FRAME_HEIGHT, PANE_HEIGHT, LEAST_HEIGHT = 110, 130, 320
 takes, and its height at least."""
 # Darker greys are drawn as the page writes, in light and in dark.
 INK, DARK = "critical", 0.4
-# Of grey stripes behind curves, on a light and on a dark page.
+# Colour of grey stripes behind curves, on a light and on a dark page.
 STRIPE = "rgba(128,128,128,0.2)"
 # Letters beside an axis of one line; the unit of a longer label stands on a second one. Part of the
 # axis along x that marks at its ends take.

@@ -413,7 +413,7 @@ STATED = "stiffness and mass are those that the model file states"
 """What there is to say of errors: sections are integrated over their layers in closed form."""
 
 _SPECIFIC = "specific_damping_bending"
-# Of what stands in the table: variable, heading, and factor from the SI unit.
+# Columns of the table: variable, heading, and factor from the SI unit.
 _COLUMNS = (
     ("axial_stiffness", "EA MN", 1e-6),
     ("bending_stiffness", "EI N m²", 1.0),
@@ -423,7 +423,7 @@ _COLUMNS = (
     ("neutral_axis", "neutral axis mm", 1e3),
     (_SPECIFIC, "damping %", 1e2),
 )
-# Of metals, whose specific damping is not stated.
+# The column of metals, whose specific damping is not stated.
 _TIME = ("damping_time_bending", "damping µs", 1e6)
 _NUMBERS = (
     ("axial_stiffness", "N", 1.0),
@@ -435,7 +435,7 @@ _NUMBERS = (
 )
 # Letters of a stack in the table: a third of a page of 80; the whole stack stands in the details.
 _LONGEST_STACK = 24
-# Links whose coupling is told of by name; of more, their number.
+# So many links with coupling are named; of more the answer gives the number.
 _MOST_NAMED = 2
 
 

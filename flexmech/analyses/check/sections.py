@@ -49,7 +49,7 @@ class Property(NamedTuple):
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Of the variable: its unit and words."""
+        """Attributes of the variable: its unit and words."""
         return {"units": self.unit, "long_name": self.words}
 
     def row(self, values: Iterable[float]) -> Row:
@@ -109,7 +109,7 @@ def _known(section: BeamSection) -> dict[str, float]:
         height = section.in_plane_thickness
         area = layers.width * height
         known["out_of_plane_width"] = layers.width
-        # Of the section's own kGA, which need not be that of its layers (Cowper's).
+        # For the section's shear stiffness, which need not be that of its layers (Cowper's).
         correction = layers.shear_correction * section.shear_stiffness / layers.shear_stiffness
         known["shear_correction"] = correction
         known["membrane_modulus"] = section.axial_stiffness / area
@@ -120,7 +120,7 @@ def _known(section: BeamSection) -> dict[str, float]:
 
 QUANTITIES = ("strain", "normal_stress", "shear_stress", "third_order_shear_stress")
 DIRECTIONS = ("along", "across")
-"""Of the fibres of a ply."""
+"""Directions against the fibres of a ply."""
 # Places in a layer, and about how many in all layers of a link with few.
 _FEWEST_PLACES, _SMOOTH = 9, 60
 # After the layers of a link with fewer of them.

@@ -44,7 +44,7 @@ from flexmech.threads import one_thread
 from flexmech.time_domain import forced_linkage
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
 
-# Of the first natural frequency at rest: the bandwidth, if none is asked for. It holds the first
+# Bandwidth over the first natural frequency at rest, if none is asked for. It holds the first
 # resonance and the beginning of what lies between it and the second.
 _BANDWIDTH = 2.0
 # Natural frequencies that elements which were not asked for must be fit for: those that the orders

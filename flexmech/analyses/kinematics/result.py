@@ -30,7 +30,7 @@ _ANGLE_DIGITS = 4
 _TOLD = 1e-6
 _MOTION_AND_FORCE = ("m/s", "at deg", "m/s²", "at deg", "N", "at deg")
 _MM, _PER_RADIAN = 1e3, DEGREES
-# Of the answer, at most.
+# The answer has so many sentences at most.
 _SENTENCES = 3
 # Units in which the table of extremes has others.
 _SHOWN = {

@@ -1,4 +1,4 @@
-"""Least and greatest values over a turn or a run, of all quantities whose extremes are told."""
+"""Least and greatest values over a turn or a run, of all quantities that have extremes."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Sought(NamedTuple):
 
 
 def sought(values: Values, mechanism: Mechanism) -> Iterator[Sought]:
-    """Every number whose extremes are told, always in one order.
+    """Every number that has extremes, always in one order.
 
     Parameters
     ----------

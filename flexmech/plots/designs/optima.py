@@ -69,7 +69,7 @@ def pareto_picture(dataset: xr.Dataset) -> Picture:
     """Best designs of the first goal and of each further one, as of plot_pareto."""
     (sense, first), *others = goals_of(dataset)
     best = dataset.sortby(first)
-    # Of three goals and more the front is a surface, which no line follows.
+    # The front of three goals and more is a surface, which no line follows.
     line = "" if others[1:] else "-"
     look: Look = {"marker": "o", "ms": 4, "lw": 0.8, "ls": line, "color": series_style(0).color}
     along = f"{label(best[first])}, {sense}"
