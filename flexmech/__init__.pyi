@@ -2,11 +2,12 @@ from . import analyses as analyses
 from . import hygrothermal as hygrothermal
 from . import linkages as linkages
 from . import materials as materials
+from . import mechanics as mechanics
 from . import plots as plots
 from . import report as report
 from . import sections as sections
+from . import solvers as solvers
 from . import studies as studies
-from . import time_domain as time_domain
 from . import verification as verification
 from .analyses import Balance as Balance
 from .analyses import BalanceRequest as BalanceRequest
@@ -15,7 +16,6 @@ from .analyses import Comparison as Comparison
 from .analyses import ComparisonRequest as ComparisonRequest
 from .analyses import CouplerPaths as CouplerPaths
 from .analyses import CrankRockerSynthesis as CrankRockerSynthesis
-from .analyses import Formulation as Formulation
 from .analyses import FrequencyRequest as FrequencyRequest
 from .analyses import HammerRequest as HammerRequest
 from .analyses import HammerTest as HammerTest
@@ -61,8 +61,6 @@ from .example_models import example_names as example_names
 from .hygrothermal import Exposure as Exposure
 from .hygrothermal import HygrothermalState as HygrothermalState
 from .hygrothermal import mechanism_in_state as mechanism_in_state
-from .linear_system import LinkPoint as LinkPoint
-from .linear_system import RotationTerms as RotationTerms
 from .linkages import ConstantSpeed as ConstantSpeed
 from .linkages import CouplerCurve as CouplerCurve
 from .linkages import CouplerPoint as CouplerPoint
@@ -100,6 +98,8 @@ from .materials import woven_ply as woven_ply
 from .measured_data import MeasuredQuantity as MeasuredQuantity
 from .measured_data import MeasuredRecord as MeasuredRecord
 from .measured_data import read_record as read_record
+from .mechanics import LinkPoint as LinkPoint
+from .mechanics import RotationTerms as RotationTerms
 from .mechanism import AttachedBody as AttachedBody
 from .mechanism import FrameSpring as FrameSpring
 from .mechanism import JointPin as JointPin
@@ -119,8 +119,9 @@ from .report import write_report as write_report
 from .sections import BeamSection as BeamSection
 from .sections import LaminateSection as LaminateSection
 from .sections import SheetSection as SheetSection
+from .solvers import Formulation as Formulation
 from .verification import Verification as Verification
 from .verification import verify as verify
 
 __version__: str
-from .studies.designs.sweep import sweep as sweep
+from .studies.sweep import sweep as sweep

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from flexmech.dynamical_systems import FloquetModes, FourierSeries
 from flexmech.errors import InputError
-from flexmech.time_domain import LinkState, MovingModes
+from flexmech.mechanics.running import LinkState
+from flexmech.solvers import MovingModes
 
 
 def floquet_state(

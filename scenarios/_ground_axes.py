@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.analyses import solve_modes
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MovingFrame, Prestress
-from flexmech.linear_system import Engine, LinearSystem
+from flexmech.mechanics import Engine, LinearSystem
+from flexmech.solvers import solve_modes
 
 __all__ = ["frozen_eigenvalues", "in_ground_axes"]
 

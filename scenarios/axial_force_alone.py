@@ -25,7 +25,7 @@ from matplotlib.patches import Patch
 
 from flexmech import ComputationError, ReferenceEngine, natural_frequencies, plots
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Prestress
+from flexmech.mechanics import Prestress
 from flexmech.verification import verification_cases
 
 MODES = 3

@@ -30,8 +30,8 @@ from flexmech import (
 )
 from flexmech.analyses import deflections
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine
-from flexmech.time_domain import nonlinear_orbit
+from flexmech.mechanics import Engine
+from flexmech.solvers import nonlinear_orbit
 
 SPEEDS = np.linspace(8.0, 30.0, 45)
 COMPARED = (10.0, 15.0, 20.0, 25.0)

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from flexmech import Mechanism, ReferenceEngine
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import floquet_modes
-from flexmech.time_domain import SampledTurn, counts_of_modes, moving_modes
+from flexmech.solvers import SampledTurn, counts_of_modes, moving_modes
 
 DAMPING_TIME = 2e-5
 SPEEDS = np.array([60.0, 87.0])

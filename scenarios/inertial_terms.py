@@ -23,7 +23,7 @@ from matplotlib.figure import Figure
 
 from flexmech import ExudynEngine, ReferenceEngine, RotationTerms, natural_frequencies, plots
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, Prestress
+from flexmech.mechanics import Engine, Prestress
 
 MODES, SPEED = 3, 20.0
 TURN = np.radians(np.arange(0.0, 361.0))

@@ -25,13 +25,8 @@ from flexmech import ExudynEngine, Mechanism
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import floquet_modes
 from flexmech.linkages import ConstantSpeed
-from flexmech.time_domain import (
-    LinkState,
-    SampledTurn,
-    counts_of_modes,
-    moving_modes,
-    nonlinear_orbit,
-)
+from flexmech.mechanics.running import LinkState
+from flexmech.solvers import SampledTurn, counts_of_modes, moving_modes, nonlinear_orbit
 
 DAMPING_TIME = 5e-6
 # Outside the band and just outside it, just inside and inside.

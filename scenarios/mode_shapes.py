@@ -22,8 +22,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexmech import Mechanism, ReferenceEngine, moving_frequencies, plots
-from flexmech.analyses import solve_modes
 from flexmech.arrays import FloatArray
+from flexmech.solvers import solve_modes
 
 MODES = 3
 CONSISTENT = 0.9

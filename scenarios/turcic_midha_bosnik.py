@@ -30,7 +30,7 @@ from flexmech import (
     plots,
 )
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine
+from flexmech.mechanics import Engine
 from flexmech.verification import verification_case
 
 # One angle in four is a published one.

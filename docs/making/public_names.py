@@ -44,7 +44,7 @@ SECTIONS: dict[str, Rule] = {
     "Questions": _comes_from("analyses", "studies", "verification", "report"),
     "Engines": _comes_from("reference", "multibody"),
     "Mechanisms and linkages": _comes_from(
-        "mechanism", "linkages", "modelfile", "example_models", "linear_system"
+        "mechanism", "linkages", "modelfile", "example_models", "mechanics", "solvers"
     ),
     "Measured records": _comes_from("measured_data"),
     "Sections and materials": _comes_from("sections", "materials"),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from flexmech.studies.designs.outputs import KINDS
-from flexmech.studies.designs.study_file import StudyFile
+from flexmech.studies.outputs import KINDS
+from flexmech.studies.study_file import StudyFile
 from making.tables_of_schema import TomlReference
 
 __all__ = ["study_file_page"]

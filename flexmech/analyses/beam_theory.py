@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.beams.restrained_ends import RestrainedEnds, restrained_beam
-from flexmech.linear_system import (
+from flexmech.linkages import LinkEnd
+from flexmech.mechanics import (
     COMPRESSED,
     NEGLIGIBLE,
     RESTRAINED_ENDS,
@@ -17,7 +17,7 @@ from flexmech.linear_system import (
     TheoryComparison,
     TheoryDifference,
 )
-from flexmech.linkages import LinkEnd
+from flexmech.mechanics.beams.restrained_ends import RestrainedEnds, restrained_beam
 from flexmech.sections import TWISTS, BeamSection, LaminateSection
 
 LINES, WARNINGS, REASON = "beam_theory", "beam_theory_warnings", "beam_theory_difference"

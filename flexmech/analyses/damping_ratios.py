@@ -13,12 +13,12 @@ from typing import Self
 
 import numpy as np
 
-from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
-from flexmech.analyses.remarks import CHOSEN_DAMPING
+from flexmech.analyses.summary import CHOSEN_DAMPING
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine
+from flexmech.mechanics import Engine
 from flexmech.sections import BeamSection
+from flexmech.solvers.formulation import Formulation, Systems
 from flexmech.validation import Bounds
 
 # What a damping ratio of the linkage can be.

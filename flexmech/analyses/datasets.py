@@ -18,8 +18,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion
+from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 
 

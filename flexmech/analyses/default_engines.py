@@ -8,7 +8,7 @@ from __future__ import annotations
 from flexmech import choices
 from flexmech.choices import EngineName
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine
+from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 
 

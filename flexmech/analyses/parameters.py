@@ -10,7 +10,7 @@ from typing import Self
 from flexmech.analyses.damping_ratios import DAMPING_RATIO, with_damping_ratio
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import HygrothermalState, mechanism_in_state
-from flexmech.linear_system import Engine
+from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import StatedModel
 from flexmech.units import RATIO, TEMPERATURE_DIFFERENCE, Dimension

@@ -14,7 +14,7 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, SHAFTS, ShaftChoice
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
-from flexmech.linear_system import Engine, OverdampedError, TooManyModesError, check_elastic
+from flexmech.mechanics import Engine, OverdampedError, TooManyModesError, check_elastic
 from flexmech.mechanism import Mechanism
 from flexmech.validation import check_choice, check_instance, checked_array
 

@@ -1,13 +1,29 @@
-"""What a result says in words: tables and lines, for a terminal, a notebook or a script."""
+"""What a result says in words: tables and lines, for a terminal, a notebook or a script.
+
+Remarks of a result on its conditions: heat and moisture, and loads that it leaves out.
+
+The line that says how far printed numbers are known, and whether the engines agree.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Any
+from typing import Any, SupportsFloat
 
-from flexmech.analyses.digits import Quantity
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.beam_theory import theory_warnings
+from flexmech.analyses.digits import Quantity, percent
+from flexmech.analyses.requests import environment_of
+from flexmech.arrays import FloatArray
+from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
+from flexmech.mechanism import Mechanism
+from flexmech.plots.reading import speed_unit
+from flexmech.units import from_si
 
 Row = tuple[str, ...]
 
@@ -209,3 +225,251 @@ class Summary:
             f"<p>{escape(part)}</p>" if isinstance(part, str) else part._repr_html_()
             for part in self._whole
         )
+
+
+def state_name(environment: Environment) -> str:
+    """What a result calls the state in an environment beside ``"dry"``."""
+    # An environment without heat and moisture is labelled dry too.
+    return "wet" if environment.label == "dry" else environment.label
+
+
+def environment_lines(
+    mechanism: Mechanism, environment: Environment | None, *, lengths_alone: bool = False
+) -> list[str]:
+    """What heat and moisture make of each link.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Dry, at its reference temperature.
+    environment : HygrothermalState or Exposure, optional
+        None where none was asked for: then there is nothing to say.
+    lengths_alone : bool
+        Whether to leave out how stiff and heavy the links are then.
+
+    Returns
+    -------
+    list of str
+        A result keeps them in its dataset as the attribute ``environment_lines``, one text
+        with a line for each.
+
+    Raises
+    ------
+    InputError
+        If it is no environment, or as :func:`flexmech.hygrothermal.swollen_links`.
+    """
+    if environment is None:
+        return []
+    lines = [f"state: {environment_of(environment).label}"]
+    for name, link in swollen_links(mechanism, environment).items():
+        if lengths_alone:
+            lines.append(
+                f"{name}: {100 * link.elongation:+.4f} % longer, {100 * link.water:.3g} % water"
+            )
+            continue
+        dry, kept = mechanism.sections[name], resin_retention(mechanism, name, environment)
+        stiffness = link.section.bending_stiffness / dry.bending_stiffness
+        mass = link.section.mass_per_length / dry.mass_per_length
+        line = (
+            f"{name}: {100 * link.elongation:+.4f} % longer, {100 * link.water:.3g} % water, "
+            f"bending stiffness times {stiffness:.4f}, mass per length times {mass:.4f}"
+        )
+        if kept is not None:
+            # Least and most of it, where the link is not equally moist.
+            share = " to ".join(dict.fromkeys(f"{100 * part:.4g}" for part in kept))
+            line += f", resin keeps {share} % of its stiffness"
+        if link.section.free_curvature:
+            sagitta = abs(link.section.free_curvature) * link.length**2 / 8
+            line += f", bent by itself {1e3 * sagitta:.4g} mm at its middle"
+        lines.append(line)
+    inert = inert_links(mechanism)
+    if inert:
+        lines.append(f"heat and moisture do nothing to: {', '.join(inert)} (no such keys)")
+    return lines
+
+
+LEFT_OUT = "loads_left_out"
+
+
+def left_out_attributes(mechanism: Mechanism) -> dict[str, str]:
+    """Attribute that names the loads over time; nothing where there are none.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+
+    Returns
+    -------
+    dict of str to str
+    """
+    names = [load.name for load in mechanism.loads if load.over == "time"]
+    return {LEFT_OUT: ", ".join(names)} if names else {}
+
+
+def left_out_warnings(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
+    """Warning that loads are left out, one line or none."""
+    if LEFT_OUT not in attributes:
+        return ()
+    return (
+        f"loads over time are left out here: {attributes[LEFT_OUT]}; they have no value at a crank "
+        "angle, and flexmech response counts them",
+    )
+
+
+CHOSEN_DAMPING = "chosen_damping"
+
+
+def warnings_of(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
+    """Warnings of a result on what it leaves out and on what was chosen for it.
+
+    Loads over time, the frequency at which specific damping counts, and what beam theories do.
+    """
+    chosen = str(attributes.get(CHOSEN_DAMPING, "")).splitlines()
+    return (*left_out_warnings(attributes), *chosen, *theory_warnings(attributes))
+
+
+def speed_text(speed: SupportsFloat, unit: str) -> str:
+    """A crank speed in rad/s, in a unit to six digits."""
+    return f"{from_si(float(speed), unit):.6g}"
+
+
+def speed_with_unit(dataset: xr.Dataset, speed: SupportsFloat) -> str:
+    """A crank speed in rad/s, to five digits in the unit in which a result speaks of speeds."""
+    unit = speed_unit(dataset)
+    return f"{from_si(float(speed), unit):.5g} {unit}"
+
+
+def crank_speed_text(attributes: Mapping[Any, Any]) -> str:
+    """Crank speed of a result, in the unit in which it speaks of speeds."""
+    unit = str(attributes["speed_unit"])
+    return f"{speed_text(attributes['crank_speed'], unit)} {unit}"
+
+
+def drive_words(attributes: Mapping[Any, Any]) -> str:
+    """At which crank speed a result is, or under which law of motion."""
+    law = attributes.get("drive")
+    return f"at {crank_speed_text(attributes)}" if law is None else f"under {law}"
+
+
+# Relative difference of engines below which nobody needs to act: materials and dimensions are known
+# no better, and the numbers have no more digits than that leaves.
+_LITTLE = 0.01
+
+
+@dataclass(frozen=True)
+class EngineDifference:
+    """How far two engines differ in one number, and how much of it their errors explain.
+
+    Parameters
+    ----------
+    apart : float
+        Relative; not a number where one engine alone has the number.
+    allowed : float
+        Errors of both engines together, relative.
+    of : str
+        What differs, such as ``"peak driving torque"``; empty where all numbers are of a kind.
+    """
+
+    apart: float
+    allowed: float
+    of: str = ""
+
+    @classmethod
+    def least_explained(
+        cls,
+        apart: Sequence[float] | FloatArray,
+        allowed: Sequence[float] | FloatArray,
+        of: Sequence[str] = (),
+    ) -> EngineDifference:
+        """That of the number of many which errors explain least.
+
+        Parameters
+        ----------
+        apart, allowed : array_like, shape (N,)
+        of : sequence of str, optional
+            N names.
+        """
+        place = least_explained(apart, allowed)
+        return cls(float(apart[place]), float(allowed[place]), of[place] if of else "")
+
+    @property
+    def agree(self) -> bool:
+        """Whether the engines differ by no more than their errors together."""
+        return self.apart <= self.allowed
+
+    @property
+    def worth_a_warning(self) -> bool:
+        """Whether they differ by more than their errors explain, and by much."""
+        return not self.agree and not self.apart <= _LITTLE
+
+
+def least_explained(
+    apart: Sequence[float] | FloatArray, allowed: Sequence[float] | FloatArray
+) -> int:
+    """Which difference of two engines is farthest beyond their errors; the greatest if none is.
+
+    Parameters
+    ----------
+    apart, allowed : array_like, shape (N,)
+        Differences, and errors of both engines together; relative.
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> least_explained([0.02, 4e-4], [0.1, 3e-4]), least_explained([0.02, 4e-4], [0.1, 5e-4])
+    (1, 0)
+    """
+    apart = np.asarray(apart)
+    beyond = apart - np.asarray(allowed)
+    return int(np.argmax(beyond if (beyond > 0).any() else apart))
+
+
+def trust_line(
+    engines: Sequence[str], error: float, difference: EngineDifference | None = None
+) -> str:
+    """How far the numbers of an answer are known, in one line.
+
+    Parameters
+    ----------
+    engines : sequence of str
+        That ran.
+    error : float
+        Greatest relative error of what is printed; not a number where none is estimated.
+    difference : EngineDifference, optional
+        Of two engines, where errors explain it least. Left out: where one engine ran alone, or
+        where the error holds the differences that errors explain.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> trust_line(["reference", "exudyn"], 2e-5, EngineDifference(1.9e-4, 2e-4))
+    'numbers are known to 0.019 %; both engines agree'
+    >>> trust_line(["reference", "exudyn"], 2e-5, EngineDifference(0.02, 3e-5))
+    'reference and exudyn differ by 2 %, more than their errors of 0.003 % explain'
+    >>> trust_line(["reference"], 2e-5)
+    'numbers are known to 0.002 %; the reference engine alone ran'
+    """
+    apart = math.nan if difference is None else difference.apart
+    greatest = max(error, apart) if math.isfinite(apart) else error
+    known = f"numbers are known to {percent(greatest)}"
+    if difference is not None and not difference.agree:
+        said = f"{' and '.join(engines)} differ{_by(difference)}"
+        return said if difference.worth_a_warning else f"{known}; {said}"
+    if not math.isfinite(greatest):
+        known = "errors of the numbers are not estimated"
+    ran = "both engines agree" if len(engines) > 1 else f"the {engines[0]} engine alone ran"
+    return f"{known}; {ran}"
+
+
+def _by(difference: EngineDifference) -> str:
+    if not math.isfinite(difference.apart):
+        return " by more than their errors explain"
+    apart, allowed = percent(difference.apart), percent(difference.allowed)
+    where = f" in the {difference.of}" if difference.of else ""
+    return f" by {apart}{where}, more than their errors of {allowed} explain"

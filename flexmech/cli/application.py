@@ -15,9 +15,8 @@ from typing import Annotated, Any, NoReturn, TextIO
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from flexmech.cli.campaigns import report, verify
 from flexmech.cli.deliver import running
-from flexmech.cli.designs import optimize, sweep, uncertainty
+from flexmech.cli.designs import optimize, report, sweep, uncertainty, verify
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.laboratory import compare, hammer
 from flexmech.cli.links import check, moisture, new, schema, section, strength

@@ -1,4 +1,7 @@
-"""Commands on a study file: many designs, how uncertain they are, and the best of them."""
+"""Commands on a study file: many designs, how uncertain they are, and the best of them.
+
+Commands that ask much at once: a report, and the verification.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,14 @@ from typing import Annotated, Any
 
 from typer import Argument, Option, echo
 
-from flexmech import studies
-from flexmech.choices import MOST_SEED, EngineName
-from flexmech.cli import options
-from flexmech.cli.deliver import deliver, typed_path
+from flexmech import analyses, studies, verification
+from flexmech.choices import MOST_SEED, TOLERANCE, EngineName, ReportPart
+from flexmech.cli import options, typed
+from flexmech.cli.deliver import command_line, deliver, mechanism_of, progress_bar, say, typed_path
+from flexmech.cli.failures import naming, telling
 from flexmech.cli.reading import Together
+from flexmech.errors import ComputationError, InputError, one_line
+from flexmech.files import check_writable, given_path
 
 Samples = Annotated[int | None, Option(min=1)]
 StudyPath = Annotated[Path, Argument(help="Study file.", metavar="STUDY", parser=typed_path)]
@@ -90,3 +96,119 @@ def uncertainty(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
 def optimize(study: StudyPath, *, run: Run) -> None:
     """The best design of a study by its goals, within its limits, confirmed by both engines."""
     run(studies.Optimum, studies.optimum_study, study)
+
+
+def report(
+    model: options.GivenPath,
+    out: options.TypedPath = Path("report.html"),
+    include: Annotated[tuple[ReportPart, ...] | None, typed.INCLUDE] = None,
+    speeds: options.Speeds = None,
+    angles: options.Angles = options.EVERY_5_DEGREES,
+    campbell_speeds: Annotated[typed.Speeds | None, typed.CAMPBELL_SPEEDS] = None,
+    modes: options.Modes = None,
+    engine: options.Engine = "both",
+    element: options.Element = None,
+    elements: options.PinnedElements = None,
+    tolerance: options.Tolerance = TOLERANCE,
+    *,
+    environment: options.AskedEnvironment,
+    printing: options.AskedPrinting,
+) -> None:
+    """One self-contained page in which the linkage turns, for a colleague without Python.
+
+    Of a model file: frequencies, Campbell diagram, deflection, sections, each with its error,
+    equation and source. Of a folder of results: what the other commands wrote there.
+
+    Options
+    -------
+    model : MODEL|RESULTS
+        Model file, or folder of results of other commands.
+    out : FILE
+        HTML file to write.
+    include : LIST
+        What goes in, a comma list: frequencies, campbell, response, kinematics, coupler-curve,
+        section, moisture. Left out: all that the model has; the coupler curve where it names a
+        coupler point, moisture with --relative-humidity and --time.
+    campbell_speeds : LIST
+        Crank speeds of the Campbell diagram, as in --speeds. Left out: from zero to 1.5 times
+        the greatest of --speeds.
+    """
+    import numpy as np
+
+    from flexmech.analyses.crank_speeds import in_unit, rad_per_s
+    from flexmech.analyses.frequencies.request import operating_speeds
+    from flexmech.analyses.result import reported_as_damaged
+    from flexmech.report import (
+        ReportRequest,
+        check_extra,
+        report_results,
+        report_summary,
+        stored_results,
+        write_report,
+    )
+
+    check_extra()
+    with naming("--out"):
+        out = given_path(out)
+        if not out.parent.is_dir():
+            raise InputError(f"{out}: there is no folder {out.parent}; make it first")
+        check_writable(out.parent, [out.name])
+    source, unit, remark = given_path(model), "rad/s" if speeds is None else speeds.unit, ""
+    with progress_bar() as progress, telling(model, unit):
+        if source.is_dir():
+            if any(asked is not None for asked in (include, speeds, campbell_speeds, environment)):
+                raise InputError(
+                    "--include, --speeds, --campbell-speeds and heat and moisture say what to "
+                    "compute; a folder of results is shown as it is, leave them out"
+                )
+            results = stored_results(source)
+        else:
+            mechanism = mechanism_of(model)
+            speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
+            unit, remark, over = speeds.unit, speeds.remark, campbell_speeds
+            request = ReportRequest(
+                np.array(speeds.numbers),
+                typed.radians(angles),
+                include,
+                None if over is None else in_unit(rad_per_s(over.numbers, over.unit), unit),
+                modes,
+                environment,
+                unit,
+                tolerance if elements is None else None,
+            )
+            engines = analyses.chosen_engines(mechanism, engine, element, elements)
+            results = report_results(engines, request, progress)
+        with (
+            reported_as_damaged(source) if source.is_dir() else telling(None, unit),
+            naming("--out"),
+        ):
+            write_report(results.all, out, command_line=command_line())
+    size = f"{out.stat().st_size / 1e6:.1f} MB"
+    lines = [f"file: {one_line(str(out))} ({size}), open it in a browser"]
+    say(report_summary(results), [out], lines, [remark], printing)
+
+
+def verify(
+    thorough: Annotated[bool, Option("--thorough")] = False, *, output: options.AskedOptionalOutput
+) -> None:
+    """Verify this installation against published numbers, closed forms and other programs.
+
+    Of each case the number that is farthest off, with its source and tolerance; exit code 1 where
+    one fails.
+
+    Options
+    -------
+    thorough
+        With the cases that take longer.
+    """
+    result = deliver(
+        verification.Verification,
+        lambda progress: verification.verify(thorough=thorough, progress=progress),
+        output,
+    )
+    if result.failed:
+        count = len(result.failed)
+        raise ComputationError(
+            f"{count} case{'s' * (count > 1)} of the verification failed: "
+            f"{'; '.join(result.failed)}; flexmech is not to be trusted there on this machine"
+        )

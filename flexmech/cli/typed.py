@@ -21,9 +21,9 @@ from flexmech.quantity_lists import parse_counts, parse_modes
 if TYPE_CHECKING:
     from flexmech.arrays import FloatArray
     from flexmech.hygrothermal import Environment as Environment
-    from flexmech.linear_system import LinkPoint as LinkPoint
-    from flexmech.linear_system import RotationTerms as RotationTerms
     from flexmech.linkages import CouplerPoint as CouplerPoint
+    from flexmech.mechanics import LinkPoint as LinkPoint
+    from flexmech.mechanics import RotationTerms as RotationTerms
     from flexmech.mechanism import Mechanism
 else:  # Their rooms are imported where one of them is asked for.
     CouplerPoint = Environment = LinkPoint = RotationTerms = Any
@@ -105,8 +105,8 @@ def _by_its_room(kind: str) -> Callable[[str], Any]:
 
     def read(text: str) -> Any:
         from flexmech.analyses.campbell.request import parse_orders
-        from flexmech.linear_system import LinkPoint, RotationTerms
         from flexmech.linkages import CouplerPoint
+        from flexmech.mechanics import LinkPoint, RotationTerms
 
         terms, place, point = RotationTerms.parse, LinkPoint.parse, CouplerPoint.parse
         return {"orders": parse_orders, "terms": terms, "place": place, "point": point}[kind](text)

@@ -26,7 +26,17 @@ from flexmech.dynamical_systems.constant_systems import (
     pulse_response,
     state_modes,
 )
-from flexmech.dynamical_systems.floquet import FloquetModes, floquet_modes, krein_signature
+from flexmech.dynamical_systems.floquet import (
+    FloquetModes,
+    PeriodicSystem,
+    SampledPeriodicSystem,
+    StatedPeriodicSystem,
+    floquet_modes,
+    krein_signature,
+    magnus_exponents,
+    matrix_exponentials,
+    transition_matrices,
+)
 from flexmech.dynamical_systems.fourier import FourierSeries, differentiation_matrices
 from flexmech.dynamical_systems.harmonic_response import (
     ForcedPeriodicSystem,
@@ -40,14 +50,6 @@ from flexmech.dynamical_systems.lobatto import (
     march,
     parabolic_work,
     step_matrices,
-)
-from flexmech.dynamical_systems.periodic_system import (
-    PeriodicSystem,
-    SampledPeriodicSystem,
-    StatedPeriodicSystem,
-    magnus_exponents,
-    matrix_exponentials,
-    transition_matrices,
 )
 from flexmech.dynamical_systems.signals import (
     ON_A_STEP,

@@ -6,7 +6,7 @@ n. The amplitudes are the harmonic transfer functions H_n(w) (N. M. Wereley & S.
 response of linear time periodic systems, 29th IEEE Conference on Decision and Control (1990)
 3650-3655; N. M. Wereley, thesis, MIT 1991). They follow from the one solution
 ``x = xi(t) exp(i w t)`` whose xi repeats itself. Over a step of length h, with the transition
-matrix G of :mod:`flexmech.dynamical_systems.periodic_system`::
+matrix G of :mod:`flexmech.dynamical_systems.floquet`::
 
     xi(t + h) = exp(-i w h) (G xi(t) + sum_j w_j exp(i w s_j)),   H_n(w) = mean(c xi exp(-i n W t))
 
@@ -28,12 +28,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
-from flexmech.dynamical_systems.fourier import FourierSeries
-from flexmech.dynamical_systems.periodic_system import (
+from flexmech.dynamical_systems.floquet import (
     PeriodicSystem,
     SampledPeriodicSystem,
     transition_matrices,
 )
+from flexmech.dynamical_systems.fourier import FourierSeries
 from flexmech.errors import ComputationError
 from flexmech.validation import check_count, checked_array
 

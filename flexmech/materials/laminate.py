@@ -4,24 +4,176 @@ Laminate axes: x along the link, z across it in the plane of the plies, y throug
 thickness from the mid-plane, first layer at the lowest y. In-plane strains are written in
 the order x, z, xz (the textbooks' 1, 2, 6), shear through the thickness in the order
 zy, xy (their 4, 5).
+
+A ply as a table of a model file: by its material, its constituents, or its constants.
+
+The notation of a stack, such as ``[C/G@45*2/C]s``.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import groupby
 from typing import Self
 
 import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
-from flexmech.materials.ply import Ply
-from flexmech.materials.ply_table import ply_table
-from flexmech.materials.stacking import stacking_text
+from flexmech.materials.composition import PlyComposition
+from flexmech.materials.micromechanics import ply_of
+from flexmech.materials.ply import MODULI, Ply
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr, stated
-from flexmech.units import ANGLE, LENGTH, TEMPERATURE
+from flexmech.units import (
+    ANGLE,
+    DENSITY,
+    EXPANSION,
+    LENGTH,
+    MOISTURE_EXPANSION,
+    NUMBER,
+    RATIO,
+    STRESS,
+    TEMPERATURE,
+    parse_number,
+)
 from flexmech.validation import POSITIVE, check_angle, check_fields, check_instance, checked_tuple
+
+
+def ply_table(ply: Ply, shared: SharedTables) -> TomlTable:
+    """Table under ``[plies]`` of a model file, without the name.
+
+    Parameters
+    ----------
+    ply : Ply
+    shared : SharedTables
+        Its material or its constituents are added.
+
+    Returns
+    -------
+    dict
+        By its material or its constituents where they give the same ply to the last bit, else
+        by its constants.
+    """
+    material = ply.isotropic_material
+    if material is not None:
+        name = shared.name_of("materials", material.to_table(), ply.name or "material")
+        return {"type": "isotropic", "material": name}
+    origin = ply.origin
+    if not isinstance(origin, PlyComposition):
+        resin = {} if origin is None else {"resin": origin.to_table()}
+        return {**_constants(ply), **resin, **_strength_table(ply)}
+    constituents = origin.to_table(shared)
+    # TOML wants a table's own tables after its values.
+    strength = _strength_table(ply)
+    if replace(ply_of(origin), name=ply.name, strength=ply.strength) == ply:
+        return {"type": "constituents", **constituents, **strength}
+    return {**_constants(ply), "constituents": constituents, **strength}
+
+
+def _strength_table(ply: Ply) -> TomlTable:
+    return {} if ply.strength is None else {"strength": ply.strength.to_table()}
+
+
+def _constants(ply: Ply) -> TomlTable:
+    damping = ply.specific_damping
+    heat, water = ply.thermal_expansion, ply.moisture_expansion
+    return {
+        "type": "orthotropic",
+        **stated(**{name: (getattr(ply, name), STRESS) for name in MODULI}),
+        **stated(
+            poisson_ratio=(ply.poisson_ratio, RATIO),
+            density=(ply.density, DENSITY),
+            longitudinal_damping=(damping.longitudinal or None, RATIO),
+            transverse_damping=(damping.transverse or None, RATIO),
+            shear_damping=(damping.shear or None, RATIO),
+            longitudinal_thermal_expansion=(heat[0] or None, EXPANSION),
+            transverse_thermal_expansion=(heat[1] or None, EXPANSION),
+            longitudinal_moisture_expansion=(water[0] or None, MOISTURE_EXPANSION),
+            transverse_moisture_expansion=(water[1] or None, MOISTURE_EXPANSION),
+        ),
+    }
+
+
+_STACK = re.compile(r"\s*\[(?P<inside>[^\[\]]*)\]\s*(?P<mirror>[sS]?)\s*")
+_ITEM = re.compile(
+    rf"\s*(?P<ply>[^@*\s]+)\s*(?:@\s*(?P<angle>{NUMBER})\s*)?(?:\*\s*(?P<count>[0-9]+)\s*)?"
+)
+# What separates layers and their parts.
+_OWN = re.compile(r"[\s/@*\[\]]+")
+# A hundred times those of real laminates; each layer is a column of a section's profile.
+MOST_LAYERS = 1000
+_EXAMPLE = "write plies between slashes, as in '[C/G@45/C]', '[C@0/C@90*2]s'"
+
+
+def parse_stacking(text: str) -> list[tuple[str, float | None]]:
+    """Plies of a stack from the lowest up, with their angles in degrees where they are given.
+
+    Parameters
+    ----------
+    text : str
+        Ply names between slashes in square brackets; ``@`` gives the fibre angle in
+        degrees, ``*`` repeats a layer, a final ``s`` mirrors the stack.
+
+    Returns
+    -------
+    list of tuple
+        Name and angle, or None, of each layer.
+
+    Raises
+    ------
+    InputError
+        If the text is no stack.
+    """
+    whole = _STACK.fullmatch(text)
+    if whole is None:
+        raise InputError(f"got {text!r}, which is no stack; {_EXAMPLE}")
+    layers: list[tuple[str, float | None]] = []
+    copies = 2 if whole["mirror"] else 1
+    for item in whole["inside"].split("/"):
+        found = _ITEM.fullmatch(item)
+        if found is None:
+            raise InputError(f"got {text!r}, where {item.strip()!r} is no layer; {_EXAMPLE}")
+        count = int(found["count"] or 1)
+        if count < 1 or copies * (len(layers) + count) > MOST_LAYERS:
+            raise InputError(
+                f"got {text!r}: a layer is repeated once or more, and a stack has at most "
+                f"{MOST_LAYERS} layers; write fewer"
+            )
+        angle = None if found["angle"] is None else float(parse_number(found["angle"]))
+        layers += [(found["ply"], angle)] * count
+    return layers + layers[::-1] if whole["mirror"] else layers
+
+
+def stacking_text(layers: Sequence[tuple[str, float]], digits: int = 6) -> str:
+    """Write a stack in the notation that :func:`parse_stacking` reads.
+
+    Parameters
+    ----------
+    layers : sequence of tuple
+        Name and angle in degrees of each layer, from the lowest up.
+    digits : int
+        Significant digits of the angles.
+
+    Returns
+    -------
+    str
+        As short as the notation allows; angles of zero are left out. What the notation uses
+        itself, such as a slash, becomes a low line in names.
+    """
+    half = len(layers) // 2
+    mirrored = len(layers) % 2 == 0 and list(layers[:half]) == list(layers[half:])[::-1]
+    runs = [
+        _OWN.sub("_", name or "ply")
+        + (f"@{angle:.{digits}g}" if angle else "")
+        + (f"*{count}" if count > 1 else "")
+        for (name, angle), count in (
+            (layer, len(list(run))) for layer, run in groupby(layers[:half] if mirrored else layers)
+        )
+    ]
+    return f"[{'/'.join(runs)}]{'s' * mirrored}"
+
 
 # Of an angle in degrees that is read back to the same radians: more would show their rounding.
 DIGITS = 12

@@ -6,7 +6,8 @@ from flexmech.measured_data.record import (
     MeasuredRecord,
     sampling_interval,
 )
-from flexmech.measured_data.uff_contents import (
+from flexmech.measured_data.uff_files import check_uff, read_uff, read_uff_record, write_uff
+from flexmech.measured_data.uff_units import (
     UffDegreeOfFreedom,
     UffFile,
     UffFrame,
@@ -14,7 +15,6 @@ from flexmech.measured_data.uff_contents import (
     UffMode,
     UffNodes,
 )
-from flexmech.measured_data.uff_files import check_uff, read_uff, read_uff_record, write_uff
 
 __all__ = [
     "MeasuredQuantity",

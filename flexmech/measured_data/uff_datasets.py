@@ -9,7 +9,9 @@ import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError, one_line
-from flexmech.measured_data.uff_contents import (
+from flexmech.measured_data.uff_units import (
+    QUANTITIES,
+    SI,
     UffDegreeOfFreedom,
     UffFile,
     UffFrame,
@@ -17,10 +19,6 @@ from flexmech.measured_data.uff_contents import (
     UffFunctionKind,
     UffMode,
     UffNodes,
-)
-from flexmech.measured_data.uff_units import (
-    QUANTITIES,
-    SI,
     UffUnits,
     function_unit,
     quantity_of,

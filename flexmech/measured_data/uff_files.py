@@ -23,8 +23,8 @@ from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, one_line
 from flexmech.files import given_path, moved_into
 from flexmech.measured_data.record import GREATEST, MeasuredQuantity, MeasuredRecord
-from flexmech.measured_data.uff_contents import UffFile, UffFunction
 from flexmech.measured_data.uff_datasets import contents_of, datasets_of
+from flexmech.measured_data.uff_units import UffFile, UffFunction
 
 # Of a universal file: some hundred functions of ten thousand lines, as text.
 MOST_BYTES = 200_000_000

@@ -5,13 +5,14 @@ from flexmech.mechanism.mechanism import Mechanism
 from flexmech.mechanism.motor_runs import motor_run, settled_run, with_motor_run
 from flexmech.mechanism.parts import (
     AttachedBody,
+    FrameSpring,
     JointPin,
     PinEye,
     PointMass,
     Provenance,
+    SprungFrame,
     Wetting,
 )
-from flexmech.mechanism.sprung_frame import FrameSpring, SprungFrame
 
 __all__ = [
     "AttachedBody",

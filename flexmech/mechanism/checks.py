@@ -19,8 +19,7 @@ from flexmech.linkages import (
     Topology,
 )
 from flexmech.linkages.link_mass import LEAST_DISTANCE
-from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Wetting
-from flexmech.mechanism.sprung_frame import SprungFrame
+from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, SprungFrame, Wetting
 from flexmech.validation import (
     NOT_NEGATIVE,
     check_instance,

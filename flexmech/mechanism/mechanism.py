@@ -43,8 +43,14 @@ from flexmech.mechanism.checks import (
     sprung_linkage,
 )
 from flexmech.mechanism.drawing import notebook_html, part_lines
-from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Provenance, Wetting
-from flexmech.mechanism.sprung_frame import SprungFrame
+from flexmech.mechanism.parts import (
+    AttachedBody,
+    JointPin,
+    PointMass,
+    Provenance,
+    SprungFrame,
+    Wetting,
+)
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections import BeamSection, Layers, sections_between_joints
 from flexmech.units import from_si, to_si

@@ -16,11 +16,10 @@ from flexmech.modal_testing.harmonic_orders import (
     estimate_harmonics,
     without_synchronous_average,
 )
-from flexmech.modal_testing.identified import IdentifiedModes
+from flexmech.modal_testing.identified import IdentifiedModes, complexity_factor, mac
 from flexmech.modal_testing.identify import ORDERS, IdentificationMethod, identify
 from flexmech.modal_testing.lscf import StabilisationChart
 from flexmech.modal_testing.noise import FrfNoise
-from flexmech.modal_testing.shapes import complexity_factor, mac
 
 __all__ = [
     "ORDERS",

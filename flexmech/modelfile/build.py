@@ -20,9 +20,8 @@ from flexmech.modelfile.attachments import (
 )
 from flexmech.modelfile.base_table import DampedTable
 from flexmech.modelfile.document import MaterialTable, ModelFile
-from flexmech.modelfile.joint_pins import joint_pins
 from flexmech.modelfile.laminates import build_laminates
-from flexmech.modelfile.link_places import LinkPlaces
+from flexmech.modelfile.link_places import LinkPlaces, joint_pins
 from flexmech.modelfile.link_tables import (
     GeneralLinkTable,
     LaminateLinkTable,

@@ -10,9 +10,8 @@ from flexmech.materials import REFERENCE_TEMPERATURE, Material
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile.attachment_tables import JointTable, LoadTable, ShaftTable, SpringTable
 from flexmech.modelfile.drive_table import DriveTable
-from flexmech.modelfile.frame_table import FrameTable
 from flexmech.modelfile.link_tables import LinkTable
-from flexmech.modelfile.linkage_tables import LinkageTable
+from flexmech.modelfile.linkage_tables import FrameTable, LinkageTable
 from flexmech.modelfile.material_tables import (
     FatigueTable,
     FibreTable,

@@ -21,8 +21,8 @@ from flexmech.materials import (
     published_constituents,
     woven_ply,
 )
+from flexmech.materials.laminate import parse_stacking
 from flexmech.materials.micromechanics import ply_of
-from flexmech.materials.stacking import parse_stacking
 from flexmech.modelfile.document import MaterialTable, ModelFile
 from flexmech.modelfile.material_tables import (
     CompositionTable,

@@ -32,9 +32,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
-from flexmech.beams.theories import hermite
 from flexmech.errors import InputError
-from flexmech.linear_system import RigidFields
+from flexmech.mechanics import RigidFields
+from flexmech.mechanics.beams.theories import hermite
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.running.user_functions import difference_mass

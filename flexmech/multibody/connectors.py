@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import ROUND_OFF, FloatArray
-from flexmech.linear_system import Connectors, LinkModel, deformations
 from flexmech.linkages import (
     AttachmentPoint,
     JointSpring,
@@ -28,10 +27,11 @@ from flexmech.linkages import (
 )
 from flexmech.linkages.applied_forces import Moved, SpringLine, forces_of_loads, joint_gap
 from flexmech.linkages.topology import leading_end
+from flexmech.mechanics import Connectors, LinkModel, deformations
+from flexmech.mechanics.running import ConnectorWork
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber, Made, load_exudyn
 from flexmech.multibody.running.user_functions import Shaft, load_history
-from flexmech.time_domain import ConnectorWork
 
 
 @dataclass(frozen=True)

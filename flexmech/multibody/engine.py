@@ -10,7 +10,6 @@ from typing import ClassVar
 import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray, StepProgress
-from flexmech.beams import compare_theories
 from flexmech.choices import (
     ELEMENTS,
     INTEGRATORS,
@@ -21,7 +20,9 @@ from flexmech.choices import (
     ShaftChoice,
 )
 from flexmech.errors import InputError
-from flexmech.linear_system import (
+from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
+from flexmech.linkages.inverse_dynamics import LinkForces
+from flexmech.mechanics import (
     BalancedLoads,
     Engine,
     LinkModel,
@@ -33,8 +34,8 @@ from flexmech.linear_system import (
     inertia_loads,
     refuse_large_displacements,
 )
-from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
-from flexmech.linkages.inverse_dynamics import LinkForces
+from flexmech.mechanics.beams import compare_theories
+from flexmech.mechanics.running import Impact, LinkState, Recorder, Trajectory
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
@@ -51,7 +52,6 @@ from flexmech.multibody.running.loads import MotorOnHub, TorqueTable
 from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
-from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory
 from flexmech.validation import POSITIVE, check_choice, check_number, checked_array
 
 
@@ -60,7 +60,7 @@ class ExudynEngine(Engine):
 
     Mass, stiffness and damping come from Exudyn's linearization, the quasi-static
     equilibrium from its static solver; the transformation to link frames is the one that
-    all engines share. Parameters as for :class:`flexmech.linear_system.Engine`; the
+    all engines share. Parameters as for :class:`flexmech.mechanics.Engine`; the
     element is ``"ancf"``, the default of slender links, or ``"geometrically-exact"``, which is
     the default where shear matters and the only one for sections whose neutral axis or centre
     of mass is off the pins' axis.

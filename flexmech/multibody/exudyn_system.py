@@ -15,6 +15,7 @@ import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.files import given_path, moved_into
+from flexmech.mechanics.running import LinkState
 from flexmech.model_text import short_repr
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import Choice, Item, ItemKind, ItemNumber, SystemItems, applied
@@ -28,7 +29,6 @@ from flexmech.multibody.running.user_functions import (
     guide_line_force,
     middle_deflection,
 )
-from flexmech.time_domain import LinkState
 
 # Kept in memory, at every step.
 _KEPT = {"writeToFile": False, "storeInternal": True}

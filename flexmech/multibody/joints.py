@@ -4,7 +4,7 @@ Where it is exact, a joint is a condition whose Jacobian is constant: that on th
 nodes, on the difference of two angles, or on the distance of a node from a line of the ground.
 Then the constraint's force adds nothing to the tangent stiffness. A weld between cables holds
 directions of slopes, a guide turns with its link, and a rigid link's end is off its node: what
-the forces of these add is in the maps of :mod:`flexmech.multibody.node_maps` and in the geometric
+the forces of these add is in the maps of :mod:`flexmech.multibody.links` and in the geometric
 stiffness of rigid links, which all engines share.
 """
 
@@ -20,9 +20,8 @@ from flexmech.arrays import FloatArray
 from flexmech.linkages import LinkEnd, Pin, RigidMotion, Slider, Topology, Weld, turned
 from flexmech.linkages.motion import normal
 from flexmech.linkages.topology import leading_end
-from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.assembly import FrameBody, LinkAssembly
 from flexmech.multibody.items import ItemNumber
-from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.user_functions import (
     AngleGap,
     ClosedJoints,

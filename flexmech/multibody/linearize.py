@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system import (
+from flexmech.linkages import RigidMotion, turned
+from flexmech.mechanics import (
     LESS_LOADED,
     LOAD_STEPS,
     DeadMoments,
@@ -18,7 +19,6 @@ from flexmech.linear_system import (
     refuse_positions,
     rigid_link,
 )
-from flexmech.linkages import RigidMotion, turned
 from flexmech.multibody.beams import segment_inertia
 from flexmech.multibody.items import ROUND_OFF, load_exudyn
 from flexmech.multibody.links import BeamPart, turn_vectors

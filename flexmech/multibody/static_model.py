@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS
 from flexmech.linkages import Clamp, RigidMotion, picture_crank_angle, turned
 from flexmech.linkages.motion import normal
+from flexmech.mechanics import LAST_STEP, MAX_ITERATIONS
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import StaticConnectors

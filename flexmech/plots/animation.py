@@ -21,9 +21,15 @@ from flexmech.arrays import FloatArray, StepProgress, silent
 from flexmech.errors import InputError
 from flexmech.plots import reading, style
 from flexmech.plots.drawn_linkage.figures import part_handles
-from flexmech.plots.drawn_linkage.parts import SAME_PLACE, LinkageParts, extent_of, parts_of
 from flexmech.plots.drawn_linkage.sketch import RIGID, LinkageSketch
-from flexmech.plots.drawn_linkage.symbols import add_symbols, move_symbols
+from flexmech.plots.drawn_linkage.symbols import (
+    SAME_PLACE,
+    LinkageParts,
+    add_symbols,
+    extent_of,
+    move_symbols,
+    parts_of,
+)
 from flexmech.plots.layout import grid, height_of, round_enlargement, sheet
 from flexmech.plots.style import Look, line_handle, publication_style, series_style
 

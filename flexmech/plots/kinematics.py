@@ -1,6 +1,15 @@
-"""The rigid linkage: motion, joint forces and drive, transmission angles, and paths of points."""
+"""The rigid linkage: motion, joint forces and drive, transmission angles, and paths of points.
+
+Points and sliders over the crank angle: position, velocity and acceleration.
+
+What drives a crank: a law of motion and what rings after its stop, or a motor.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -8,14 +17,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
-from flexmech.arrays import FloatArray
-from flexmech.plots import angle_panels, motion, reading, style
+from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.plots import angle_panels, reading, scales, style
 from flexmech.plots.drawing import draw
-from flexmech.plots.drawn_linkage.parts import drawn_posture
 from flexmech.plots.drawn_linkage.sketch import RIGID, SMALL, LinkageSketch
-from flexmech.plots.drawn_linkage.symbols import add_symbols
+from flexmech.plots.drawn_linkage.symbols import add_symbols, drawn_posture
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span, over_angles, series
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span, by_engine, over_angles, series
+from flexmech.plots.response import ROTATION_UNITS, engine_panes, over_time
+from flexmech.plots.style import MID_GREY, Look
 
 POWER: reading.Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 # Motion of a link: variable, what it is, factor from the SI unit, and unit.
@@ -64,13 +74,13 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
 
 def link_motion_picture(dataset: xr.Dataset) -> Picture:
     """Angle, angular velocity and angular acceleration of each link, as of plot_kinematics."""
-    over, (dataset, angles) = dataset, motion.positions(dataset)
+    over, (dataset, angles) = dataset, positions(dataset)
     panes = []
     for name, words, factor, unit in MOTIONS:
         values = dataset[name].transpose("link", "crank_angle").values
         curves = series(angles, factor * values, reading.names_of(dataset, "link"), _link_line)
         panes.append(Pane(f"{words}\n({unit})", curves, spans=(ZERO,)))
-    return motion.over_positions(over, panes, f"Motion of the links {reading.conditions(over)}")
+    return over_positions(over, panes, f"Motion of the links {reading.conditions(over)}")
 
 
 def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -97,7 +107,7 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
 
 def joint_forces_picture(dataset: xr.Dataset) -> Picture:
     """Force at each joint, as of plot_joint_forces."""
-    over, (dataset, angles) = dataset, motion.positions(dataset)
+    over, (dataset, angles) = dataset, positions(dataset)
     panes = []
     for joint in reading.names_of(dataset, "joint"):
         own = dataset.sel(joint=joint)
@@ -111,7 +121,7 @@ def joint_forces_picture(dataset: xr.Dataset) -> Picture:
         title = reading.joint_title(dataset, joint)
         panes.append(Pane("", curves, reading.FORCE_UNITS, title, (ZERO,)))
     title = f"Joint forces {reading.conditions(over)}"
-    return motion.over_positions(over, panes, title, "Force")
+    return over_positions(over, panes, title, "Force")
 
 
 def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -136,7 +146,7 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
 def drive_picture(dataset: xr.Dataset) -> Picture:
     """Driving torque, power and transmission angles, as of plot_drive."""
-    over, (dataset, angles) = dataset, motion.positions(dataset)
+    over, (dataset, angles) = dataset, positions(dataset)
     both, panes = "transmission_angle" in dataset, []
     shown = (("driving_torque", "Torque", reading.TORQUE_UNITS), ("driving_power", "Power", POWER))
     for name, words, units in shown:
@@ -157,7 +167,7 @@ def drive_picture(dataset: xr.Dataset) -> Picture:
                 ticks=(0.0, 45.0, 90.0, 135.0, 180.0),
             )
         )
-    return motion.over_positions(over, panes, f"Drive {reading.conditions(over)}")
+    return over_positions(over, panes, f"Drive {reading.conditions(over)}")
 
 
 def _link_line(number: int, points: FloatArray | None = None) -> style.Look:
@@ -382,3 +392,343 @@ def _frame(axes: Axes, places: FloatArray) -> None:
     middle = (places.max(axis=0) + places.min(axis=0)) / 2
     to_edges = CLOSE_UP_ROOM * np.ptp(places, axis=0).max() / 2 * np.array([-1.0, 1.0])
     axes.set(xlim=middle[0] + to_edges, ylim=middle[1] + to_edges)
+
+
+# More columns are too narrow for the numbers of their axes; what is left out stands in the tables.
+MOST_POINTS = 4
+MOTION_HEIGHT = 4.6
+VELOCITIES: reading.Units = ((1.0, "m/s"), (1e3, "mm/s"))
+ACCELERATIONS: reading.Units = ((1.0, "m/s²"), (1e3, "mm/s²"))
+KINDS = (
+    ("position", "Position", reading.LENGTH_UNITS),
+    ("velocity", "Velocity", VELOCITIES),
+    ("acceleration", "Acceleration", ACCELERATIONS),
+)
+"""What is known of a point: variable, words, and units."""
+ITS_LINE, COUPLER_POINT = "its line", "coupler point"
+
+
+class MotionLine(NamedTuple):
+    """Motion of a point along one direction.
+
+    Parameters
+    ----------
+    point, along : str
+        Name of the point, and of the direction: ``x``, ``y`` or ``its line``.
+    values : tuple of ndarray, shape (A,)
+        Position in m, velocity in m/s and acceleration in m/s^2.
+    """
+
+    point: str
+    along: str
+    values: tuple[FloatArray, ...]
+
+
+def drawn_points(dataset: xr.Dataset) -> list[str]:
+    """Names of points whose motion is shown: sliders first, then what does not turn with the crank.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` result.
+
+    Returns
+    -------
+    list of str
+    """
+    dataset, _ = positions(dataset)
+    sliders = reading.names_of(dataset, "slider") if "slider" in dataset.coords else []
+    if "point" not in dataset.coords:
+        return sliders
+    speed = np.linalg.norm(
+        reading.values_of(dataset["point_velocity"], "point", "crank_angle", "component"), axis=-1
+    )
+    # The end of the crank goes round in a circle at one speed, which needs no picture.
+    turns = np.ptp(speed, axis=1) <= SAME_PLACE * speed.max(axis=1)
+    turns &= bool(dataset.attrs["crank_speed"])
+    names = reading.names_of(dataset, "point")
+    others = [name for name, out in zip(names, turns, strict=True) if not out]
+    rest = [name for name in others if name not in sliders]
+    # The coupler point of a model file, the last one, is what its user asked for.
+    rest.sort(key=lambda name: name != COUPLER_POINT)
+    return [*sliders, *rest]
+
+
+def motion_lines(dataset: xr.Dataset, points: list[str]) -> list[MotionLine]:
+    """Motion of points along the ground's axes, of sliders along their lines.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` result.
+    points : list of str
+
+    Returns
+    -------
+    list of MotionLine
+    """
+    sliders = reading.names_of(dataset, "slider") if "slider" in dataset.coords else []
+    lines = []
+    for point in points:
+        if point in sliders:
+            along = dataset.sel(slider=point)
+            values = tuple(along[f"slider_{name}"].values for name, _, _ in KINDS)
+            lines.append(MotionLine(point, ITS_LINE, values))
+            continue
+        own = dataset.sel(point=point)
+        for axis in reading.names_of(dataset, "component"):
+            there = own.sel(component=axis)
+            values = tuple(there[f"point_{name}"].values for name, _, _ in KINDS)
+            lines.append(MotionLine(point, axis, values))
+    return lines
+
+
+def positions(dataset: xr.Dataset) -> tuple[xr.Dataset, FloatArray]:
+    """A dataset over positions of the linkage as one over crank_angle, and the places on its axis.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Over ``crank_angle``, or over ``time`` under a law of motion.
+
+    Returns
+    -------
+    Dataset
+        Over ``crank_angle`` by name alone, where it is over time.
+    ndarray, shape (A,)
+        Crank angles in degrees, or times in s.
+    """
+    if "time" not in dataset.dims:
+        return dataset, reading.degrees(dataset["crank_angle"])
+    renamed = dataset.drop_vars("crank_angle").rename(time="crank_angle")
+    return renamed, renamed["crank_angle"].values.astype(float)
+
+
+def over_positions(
+    dataset: xr.Dataset, panes: Sequence[Pane], title: str, y_label: str = ""
+) -> Picture:
+    """A picture over the crank angle, or over time under a law of motion.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Over ``crank_angle``, or over ``time``.
+    panes : sequence of Pane
+    title : str
+    y_label : str
+        Of all axes along y; left out where they differ.
+
+    Returns
+    -------
+    Picture
+    """
+    timed = "time" in dataset.dims
+    along = "Time (s)" if timed else "Crank angle (deg)"
+    places = positions(dataset)[1]
+    kind: Literal["number", "angle"] = "number" if timed else "angle"
+    return Picture(panes, along, dataset, title, y_label, kind, places)
+
+
+def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw position, velocity and acceleration of sliders and points against the crank angle.
+
+    Points of the crank, which go round in a circle, are left out, and more than four.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` result with points or sliders.
+    ax : sequence of Axes, optional
+        The user's, three for each of the points, in rows of positions, velocities and
+        accelerations. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    points = drawn_points(dataset)[:MOST_POINTS]
+    layout = grid(3, len(points), MOTION_HEIGHT, sharex=True, narrow=min(len(points), 2))
+    return draw(motion_picture(dataset, points), layout, ax=ax)
+
+
+def motion_picture(dataset: xr.Dataset, points: list[str]) -> Picture:
+    """Rows of position, velocity and acceleration, with a pane for each of the points.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` result.
+    points : list of str
+
+    Returns
+    -------
+    Picture
+    """
+    over, (dataset, angles) = dataset, positions(dataset)
+    lines = motion_lines(dataset, points)
+    # Alphabetical, but for lines of sliders, which are last.
+    ways = sorted({line.along for line in lines}, key=lambda way: (way == ITS_LINE, way))
+    panes = []
+    for row, (_, words, units) in enumerate(KINDS):
+        unit = (reading.fitting_unit(np.concatenate([line.values[row] for line in lines]), units),)
+        for column, point in enumerate(points):
+            curves = tuple(
+                Curve(
+                    *(angles, line.values[row], style.series_line(ways.index(line.along), angles)),
+                    f"along {line.along}",
+                )
+                for line in lines
+                if line.point == point
+            )
+            label = words if column == 0 or style.is_narrow() else ""
+            heading = point.replace("$", r"\$") if row == 0 or style.is_narrow() else ""
+            spans = (ZERO,) if row else ()
+            panes.append(Pane(label, curves, unit, heading, spans))
+    return over_positions(over, panes, f"Motion of points {reading.conditions(over)}")
+
+
+# Of the drive, which is the same for all engines.
+PRESCRIBED: Look = {"color": "0.15", "lw": 1.2}
+ENVELOPE: Look = {"color": MID_GREY, "lw": 0.9, "zorder": 1.5}
+STOP: Look = {"color": MID_GREY, "lw": 0.9, "ls": ":", "zorder": 0.5}
+SETTLED: Look = {"color": MID_GREY, "lw": 0.9, "ls": "--", "zorder": 1.2}
+# Room beside the range of a speed that fluctuates, over that range.
+_ROOM = 0.15
+_PANELS: tuple[tuple[str, reading.Units, str], ...] = (
+    ("motor_torque", ((1.0, "N m"), (1e3, "N mm")), "Motor\ntorque"),
+    ("motor_power", ((1.0, "W"), (1e3, "mW")), "Motor\npower"),
+    ("motor_current", ((1.0, "A"), (1e3, "mA")), "Motor\ncurrent"),
+)
+_ACCELERATION: reading.Units = ((1.0, "rad/s²"),)
+
+
+def plot_law(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw angle, speed and acceleration of the crank over time, and of a run the driving power.
+
+    A dotted line is where the law ends.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` or ``Response`` result under a law of motion: ``crank_angle``,
+        ``crank_speed_over_time`` and ``crank_acceleration`` over time, and ``driving_power``
+        (engine, time) of a run.
+    ax : sequence of Axes, optional
+        The user's, three, or four of a run. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    time, end = dataset["time"].values, float(dataset.attrs.get("run_up_time", np.inf))
+    stop = (Span(end, end, STOP, "end of the law", upright=True),) if end < time[-1] else ()
+    runs = "engine" in dataset.dims
+    panes = [
+        Pane(
+            f"{what}\n",
+            (Curve(time, dataset[name].values, PRESCRIBED, "crank" if runs else ""),),
+            units,
+            spans=(ZERO, *stop),
+        )
+        for name, units, what in (
+            ("crank_angle", ROTATION_UNITS, "Angle"),
+            ("crank_speed_over_time", reading.crank_speed_units(dataset), "Speed"),
+            ("crank_acceleration", _ACCELERATION, "Acceleration"),
+        )
+    ]
+    if runs:
+        power = engine_panes(dataset, [("Driving\npower", dataset["driving_power"], POWER)])
+        panes += [replace(pane, spans=[*pane.spans, *stop]) for pane in power]
+    title = f"Motion of the crank\n{reading.conditions(dataset)}"
+    return draw(over_time(dataset, panes, title), scales.time_layout(len(panes)), ax=ax)
+
+
+def plot_residual(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the deflection of each link after the crank has stopped, and its envelope.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Response`` result under a law that stops: ``deflection``, and ``residual_envelope``
+        about ``residual_middle`` (engine, time, link) in m; the first engine's envelope is drawn in
+        grey.
+    ax : sequence of Axes, optional
+        The user's, one for each link that bends. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    after = dataset.sel(time=dataset["time"] >= float(dataset.attrs["run_up_time"]))
+    time, panes = after["time"].values, []
+    for link in reading.bending_links(dataset):
+        own = after.sel(link=link)
+        first = own.isel(engine=0)
+        middle = first["residual_middle"].values
+        edges = [
+            Curve(time, middle + side * first["residual_envelope"].values, ENVELOPE, "envelope")
+            for side in (-1.0, 1.0)
+        ]
+        what = f"{reading.link_label(dataset, link)}\ndeflection"
+        curves = (*by_engine(own["deflection"], dataset), *edges)
+        panes.append(Pane(what, curves, reading.LENGTH_UNITS, spans=(ZERO,)))
+    title = f"Vibration after the stop\n{reading.run_title(dataset)}"
+    picture = Picture(panes, "Time (s)", dataset, title, places=time)
+    return draw(picture, scales.time_layout(len(panes)), ax=ax)
+
+
+def plot_motor(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the crank's speed, and torque, power and current of the motor on its own shaft.
+
+    Dashed lines are the least and the greatest speed of the rigid linkage's settled motion.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` or ``Response`` result under a motor: ``motor_speed``,
+        ``motor_torque`` and ``motor_power`` over time, or (engine, time); ``motor_current`` of a
+        DC motor.
+    ax : sequence of Axes, optional
+        The user's: three, or four of a DC motor. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    picture = motor_picture(dataset)
+    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax)
+
+
+def motor_picture(dataset: xr.Dataset) -> Picture:
+    """Speed of the crank, and torque, power and current of the motor, as of plot_motor."""
+    time, speed = dataset["time"].values, dataset["crank_speed_over_time"]
+    runs = "engine" in dataset["motor_torque"].dims
+    settled = "elastic_settled_speed" in dataset.attrs
+    name = "settled, found directly" if settled else "rigid links"
+    curves = [Curve(time, speed.values, PRESCRIBED | {"zorder": 1.5}, name if runs else "")]
+    if runs:
+        curves = by_engine(speed + dataset["crank_speed_fluctuation"], dataset) + curves
+    spans, limits = [ZERO], None
+    if "settled_crank_speed" in dataset:
+        found = dataset["settled_crank_speed"].values
+        words = "range once settled (rigid links)"
+        spans += [Span(end, end, SETTLED, words) for end in (found.min(), found.max())]
+    if settled:
+        # How the speed fluctuates is to be seen, and not how far it is from zero.
+        values = np.concatenate([curve.y for curve in curves])
+        values = np.append(values, [span.low for span in spans])
+        values = values[np.abs(values) > 0]
+        room = _ROOM * float(np.ptp(values))
+        limits = float(values.min()) - room, float(values.max()) + room
+    units = reading.crank_speed_units(dataset)
+    first = Pane("Crank\nspeed", curves, units, spans=spans, limits=limits)
+    shown = [(what, dataset[name], units) for name, units, what in _PANELS if name in dataset]
+    panes = [first]
+    if runs:
+        panes += engine_panes(dataset, shown)
+    else:
+        panes += [
+            Pane(what, (Curve(time, values.values, PRESCRIBED),), units, spans=(ZERO,))
+            for what, values, units in shown
+        ]
+    return over_time(dataset, panes, f"Crank and motor\n{reading.conditions(dataset)}")

@@ -1,7 +1,7 @@
 """A picture as plain data: curves in panes over one axis, for matplotlib and for the report's page.
 
 What is shown of a dataset is written down once, as a :class:`Picture`. ``flexmech.plots.drawing``
-draws it by matplotlib, ``flexmech.report.plotted`` writes it for plotly; neither computes anything.
+draws it by matplotlib, ``flexmech.report.panel`` writes it for plotly; neither computes anything.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
 from flexmech.arrays import SAME_PLACE, FloatArray
-from flexmech.plots import motion, reading, scales, style
+from flexmech.plots import kinematics, reading, scales, style
 from flexmech.plots.drawing import draw
 from flexmech.plots.kinematics import MAGNITUDE
 from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
@@ -53,7 +53,7 @@ def plot_shaking_force(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
 
 def shaking_picture(dataset: xr.Dataset) -> Picture:
     """Shaking force and moment of the rigid linkage, as of plot_shaking_force."""
-    over, (dataset, angles) = dataset, motion.positions(dataset)
+    over, (dataset, angles) = dataset, kinematics.positions(dataset)
     force = reading.values_of(dataset["shaking_force"], "component", "crank_angle")
     names = [f"along {name}" for name in reading.names_of(dataset, "component")]
     curves = series(angles, force, names)
@@ -65,7 +65,7 @@ def shaking_picture(dataset: xr.Dataset) -> Picture:
         Pane(about, (moment,), reading.TORQUE_UNITS, spans=(ZERO,)),
     )
     title = f"Shaking force and moment {reading.conditions(over)}"
-    return motion.over_positions(over, panes, title)
+    return kinematics.over_positions(over, panes, title)
 
 
 def plot_running_shaking_force(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:

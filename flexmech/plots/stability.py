@@ -1,25 +1,43 @@
-"""Stability maps: growth rate, multipliers and unstable bands over crank speed."""
+"""Stability maps: growth rate, multipliers and unstable bands over crank speed.
+
+Stability maps over crank speed and a second parameter.
+
+Floquet modes over crank speed: their frequencies, and the harmonics that they are made of.
+"""
 
 from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.errors import InputError
 from flexmech.plots import scales, style
+from flexmech.plots.campbell import ROOM
 from flexmech.plots.drawing import draw
-from flexmech.plots.layout import AxesLike, grid
+from flexmech.plots.layout import AxesLike, Sheet, grid, sheet, tiles
 from flexmech.plots.picture import Choice, Curve, Pane, Picture, Span
-from flexmech.plots.reading import cell_edges, engine_label, speed_unit, speeds_of, subscripts
-from flexmech.plots.style import Look, series_line, series_style
+from flexmech.plots.reading import (
+    cell_edges,
+    engine_label,
+    speed_unit,
+    speeds_of,
+    spread,
+    subscripts,
+    values_of,
+)
+from flexmech.plots.style import Look, line_handle, series_line, series_style
 from flexmech.units import from_si
 
 # Kinds of bands: what meets in words, and a hatch, so that kinds differ without colour too.
@@ -47,7 +65,7 @@ LEAST_NAMED = 0.02
 GROWTH_HEIGHT, MODULUS_HEIGHT = 2.6, 1.7
 ZERO: Look = {"color": "0.55", "lw": 0.6, "zorder": 1}
 # Height of the axis over that of the curve: names of bands, of eleven letters, stand above it.
-ROOM = 1.55
+BAND_ROOM = 1.55
 # Of the axis in 1/s: growth below it is round-off of multipliers that do not grow.
 LEAST_GROWTH = 1e-3
 # Greatest modulus on a linear axis; logarithm of the greatest drawn: some are beyond all numbers.
@@ -290,9 +308,324 @@ def _scale(
     """
     high = max(LEAST_GROWTH, float(values.max(initial=0.0)))
     if middle and high > MOST_LINEAR:
-        return (high**-0.06, high**ROOM), "log"
+        return (high**-0.06, high**BAND_ROOM), "log"
     low = float(values.min(initial=-high))
     if high > LEAST_GROWTH:
         low = max(float(values.min(initial=0.0)), -high)
-    ends = middle + low - 0.06 * (high - low), middle + high + (ROOM - 1) * (high - low)
+    ends = middle + low - 0.06 * (high - low), middle + high + (BAND_ROOM - 1) * (high - low)
     return ends, "linear"
+
+
+# Of a panel of an engine in inches: two fill two thirds of a page.
+PANEL_HEIGHT = 2.9
+# Grows darker throughout, and begins where it is told from white.
+COLOURS = LinearSegmentedColormap.from_list(
+    "growth", mpl.colormaps["YlOrBr"](np.linspace(0.15, 1.0, 256))
+)
+ZERO_GROWTH: Look = {"color": "0.1", "lw": 1.0}
+# Numbers of parameters in the unit that they are read in.
+READ: dict[str, tuple[float, str]] = {"m": (1e3, "mm"), "Pa": (1e-9, "GPa"), "s": (1e3, "ms")}
+PERCENT = ("damping-ratio", "moisture")
+# Crank speeds that are marked; more stand so near each other that a band between them is narrow.
+FEW_SPEEDS = 60
+COMPUTED: Look = {"ls": "", "marker": "|", "color": "0.1", "ms": 6.0, "mew": 1.0, "zorder": 6}
+# Decay next to the zero line, as a part of the greatest growth: round-off makes no line.
+DECAY = 1e-3
+
+
+def plot_stability_against(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw where vibrations grow over crank speed and a second parameter, a panel an engine.
+
+    The darker, the faster; white is stable, and the line between the two is that of growth rate
+    zero. Hatched is where there is no equilibrium. Over the damping ratio the unstable bands
+    between the crank speeds are shown too. Over other parameters few crank speeds are marked
+    below: between them nothing is known.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``StabilityMap`` result that was asked for a second parameter.
+    ax : Axes or sequence of Axes, optional
+        The user's, one an engine. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there is no second parameter.
+    """
+    if "against_growth_rate" not in dataset:
+        raise InputError(
+            "this map has no second parameter; ask for it, as in "
+            'flexmech.stability(engine, speeds, against=("damping-ratio", ratios))'
+        )
+    speed, rate, state = _at_all_speeds(dataset)
+    engines, data = dataset.sizes["engine"], dataset
+    marked = len(speed) <= FEW_SPEEDS and "against_band_growth_rate" not in dataset
+    factor, label = _parameter(dataset)
+    parameter = factor * data["parameter"].values
+    top = float(np.nanmax(np.where(state == "yes", rate, np.nan), initial=0.0))
+    norm = Normalize(0.0, top or 1.0)
+    with sheet(grid(engines, 1, engines * PANEL_HEIGHT + 0.5, sharex=True), ax=ax) as drawn:
+        handles = [line_handle("growth rate zero", **ZERO_GROWTH), *gap_handles(state)]
+        handles += [line_handle("computed; between: unknown", **COMPUTED)] if marked else []
+        drawn.header(handles, f"Growth over crank speed and {_words(dataset)}", of=dataset)
+        for number, axes in enumerate(drawn.panels):
+            _draw_against(axes, speed, parameter, rate[number], state[number], norm)
+            if marked:
+                below = axes.get_xaxis_transform()
+                axes.plot(speed, np.zeros(len(speed)), transform=below, clip_on=False, **COMPUTED)
+            if engines > 1:
+                axes.set_title(engine_label(dataset, number), loc="left")
+        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
+        drawn.label_y(label)
+        drawn.colour_bar(ScalarMappable(norm, COLOURS), "Growth rate (1/s)")
+    return drawn.figure
+
+
+def _at_all_speeds(dataset: xr.Dataset) -> tuple[FloatArray, FloatArray, NDArray[np.str_]]:
+    """Speeds (n,) in the user's unit, ascending, growth rates and states (engine, parameter, n)."""
+    parts = [(speeds_of(dataset), "crank_speed", "against_")]
+    if "against_band_growth_rate" in dataset:
+        parts.append((speeds_of(dataset, "against_speed"), "against_speed", "against_band_"))
+    speed = np.concatenate([values for values, _, _ in parts])
+    rate, state = (
+        np.concatenate(
+            [
+                dataset[prefix + name].transpose("engine", "parameter", along).values
+                for _, along, prefix in parts
+            ],
+            axis=-1,
+        )
+        for name in ("growth_rate", "unstable")
+    )
+    order = np.argsort(speed)
+    return speed[order], rate[..., order], state[..., order]
+
+
+def _draw_against(
+    axes: Axes,
+    speed: FloatArray,
+    parameter: FloatArray,
+    rate: FloatArray,
+    state: NDArray[np.str_],
+    norm: Normalize,
+) -> None:
+    edges = cell_edges(speed), cell_edges(parameter)
+    grows = np.where(state == "yes", rate, np.nan)
+    axes.pcolormesh(*edges, np.ma.masked_invalid(grows), cmap=COLOURS, norm=norm, rasterized=True)
+    missing = np.ma.masked_where(state != "no equilibrium", np.ones(rate.shape))
+    if missing.count():
+        cells = axes.pcolor(*edges, missing, cmap=ListedColormap([GAP["facecolor"]]), lw=0)
+        cells.set(hatch=GAP["hatch"], edgecolor=GAP["edgecolor"])
+    least = DECAY * norm.vmax if norm.vmax else DECAY
+    signed = np.where(state == "no", np.minimum(rate, -least), rate)
+    both = (state == "yes").any() and (state == "no").any()
+    if both and min(rate.shape) > 1:
+        known = np.ma.masked_where((state != "yes") & (state != "no"), signed)
+        axes.contour(
+            speed,
+            parameter,
+            known,
+            [0.0],
+            colors=[ZERO_GROWTH["color"]],
+            linewidths=ZERO_GROWTH["lw"],
+        )
+    axes.set_xlim(*edges[0][[0, -1]])
+    axes.set_ylim(*edges[1][[0, -1]])
+    scales.plain_numbers(axes)
+
+
+def _parameter(dataset: xr.Dataset) -> tuple[float, str]:
+    """Factor and label of the parameter's axis, in the unit that it is read in."""
+    name, unit = str(dataset.attrs["against"]), str(dataset["parameter"].attrs.get("units", "1"))
+    if name in PERCENT:
+        return 100.0, f"{_words(dataset).capitalize()} (%)"
+    factor, unit = READ.get(unit, (1.0, unit))
+    words = _words(dataset).capitalize()
+    return factor, words if unit == "1" else f"{words} ({unit})"
+
+
+def _words(dataset: xr.Dataset) -> str:
+    return str(dataset["parameter"].attrs.get("long_name", "parameter"))
+
+
+# Of a figure on a wide and on a narrow page, where it is nearly square, and of a panel of a branch,
+# three rows of which fit half a page; in inches.
+HEIGHT, NARROW_HEIGHT, BRANCH_HEIGHT = 3.9, 3.2, 1.45
+# Points are seen on it.
+FILL: Look = {"alpha": 0.22, "lw": 0}
+# Of marks, in points: they show where many branches lie close to each other.
+POINT_SIZE = 2.2
+# Of the axes' height: distance of two numbers at the edge, so that they do not touch.
+NUMBER_HEIGHT = 0.035
+# Of the lowest mean frequency, at which the axis begins: the linkage may be near to buckling, where
+# the lowest frequency is zero, which has no place on a logarithmic axis.
+LOWEST_PART = 0.4
+# Harmonics of the lowest branches are drawn: those of the natural frequencies asked for by default.
+MOST_BRANCHES = 4
+# Lesser parts of a mode are white: they are of the order of the harmonics left out.
+LEAST_SHARE = 1e-4
+
+
+def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the Floquet frequencies of the first engine over the bands of moving frequencies.
+
+    A point is the frequency of a Floquet mode's largest harmonic. Filled is each natural
+    frequency from its lowest to its highest value over the turn, at the stress of the running
+    links and without rotation terms. Where a point is outside the bands, another harmonic of its
+    mode has become the largest.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``StabilityMap`` result.
+    ax : Axes, optional
+        The user's. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there is an equilibrium at no speed.
+    """
+    frequency = values_of(dataset["frequency"].isel(engine=0), "crank_speed", "multiplier")[:, ::2]
+    if not np.isfinite(frequency).any():
+        raise InputError(NOTHING)
+    height = NARROW_HEIGHT if style.is_narrow() else HEIGHT
+    speed, curves = speeds_of(dataset), list[Curve]()
+    for branch, along in enumerate(frequency.T):
+        name = "" if branch else "Floquet frequency, in its branch's colour"
+        curves.append(Curve(speed, along, _points(branch), name))
+    curves += _moving(dataset)
+    pane = Pane(
+        "Frequency (Hz)",
+        curves,
+        spans=speed_spans(dataset),
+        limits=_limits(dataset, frequency),
+        scale="plain log",
+    )
+    label = f"Crank speed ({speed_unit(dataset)})"
+    picture = Picture([pane], label, dataset, "Floquet frequencies", over="speed", places=speed)
+
+    def number(drawn: Sheet) -> None:
+        (axes,) = drawn.panels
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+        _number_branches(axes, dataset)
+
+    return draw(picture, grid(1, 1, height + style.AXES_HEIGHT), ax=ax, finish=number)
+
+
+def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw which harmonics of the crank the Floquet modes are made of, a panel a branch.
+
+    The darker, the greater a part of the mode's mean square displacement is in the harmonic,
+    counted from the largest one: a mode that does not change along the turn has the harmonic 0
+    alone. Of the first engine and of the four lowest branches.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``StabilityMap`` result.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a branch. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there is an equilibrium at no speed.
+    """
+    share = dataset["harmonic_share"].isel(engine=0)
+    if not np.isfinite(share).any():
+        raise InputError(NOTHING)
+    first = values_of(share, "multiplier", "harmonic", "crank_speed")[::2][:MOST_BRANCHES]
+    speed = speeds_of(dataset.sortby("crank_speed"))
+    first = first[..., np.argsort(dataset["crank_speed"].values)]
+    number, order = len(first), dataset["harmonic"].values.astype(float)
+    layout = tiles(number, 2, BRANCH_HEIGHT, extra=0.6, sharex=True, sharey=True)
+    with sheet(layout, ax=ax) as drawn:
+        key = Patch(color=style.MID_GREY, label="the darker, the greater a part of the mode")
+        drawn.header([key], "Harmonics of the Floquet modes", of=dataset)
+        for branch, axes in enumerate(drawn.panels):
+            cells = axes.pcolormesh(
+                cell_edges(speed),
+                cell_edges(order),
+                np.clip(first[branch], LEAST_SHARE, 1.0),
+                norm=LogNorm(LEAST_SHARE, 1.0),
+                cmap="Greys",
+                rasterized=True,
+            )
+            axes.set_xlim(*cell_edges(speed)[[0, -1]])
+            axes.set_yticks(order[:: 2 if len(order) > 3 else 1])
+            drawn.title(axes, f"Branch {branch + 1}", loc="left")
+        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
+        drawn.label_y("Harmonic of the crank")
+        drawn.colour_bar(cells, "Part of the mean square")
+    return drawn.figure
+
+
+def _limits(dataset: xr.Dataset, frequency: FloatArray) -> tuple[float, float]:
+    """Of the frequency axis: around the means of the moving frequencies, and their highest.
+
+    Those of a linkage that is statically unstable are zero, and have no place on the axis.
+    """
+    mean = dataset["mean_frequency"].values
+    if not (mean > 0).any():
+        oscillating = frequency[frequency > 0] if (frequency > 0).any() else np.ones(1)
+        return float(oscillating.min()) / ROOM, float(oscillating.max()) * ROOM
+    highest = float(dataset["highest_frequency"].max())
+    return LOWEST_PART * float(mean[mean > 0].min()), ROOM * highest
+
+
+def _moving(dataset: xr.Dataset) -> list[Curve]:
+    """Bands of the moving frequencies, and their means."""
+    speed, curves = speeds_of(dataset, "moving_speed"), list[Curve]()
+    lowest, mean, highest = (
+        values_of(dataset[f"{name}_frequency"], "branch", "moving_speed")
+        for name in ("lowest", "mean", "highest")
+    )
+    for branch in range(len(mean)):
+        color, dashes = series_style(branch).color, series_style(branch).linestyle
+        band = {"color": color, "zorder": 1} | FILL
+        curves.append(
+            Curve(speed, lowest[branch], band, "moving frequencies", upto=highest[branch])
+        )
+        curves.append(Curve(speed, mean[branch], {"color": color, "lw": 0.6, "ls": dashes}))
+    return curves
+
+
+def _number_branches(axes: Axes, dataset: xr.Dataset) -> None:
+    """Numbers of the branches beside the right edge, at their means, spread to be read."""
+    if not dataset.sizes["moving_speed"]:
+        return
+    mean = values_of(dataset["mean_frequency"], "branch", "moving_speed")[:, -1]
+    # Where the linkage is statically unstable there is no frequency.
+    upward = np.argsort(mean)[int((mean <= 0).sum()) :]
+    bottom, top = np.log(axes.get_ylim())
+    heights = np.exp(spread(np.log(mean[upward]), NUMBER_HEIGHT * (top - bottom)))
+    look: Look = {"fontsize": style.LABEL_POINTS, "va": "center", "textcoords": "offset points"}
+    for number, height in zip(dataset["branch"].values[upward].tolist(), heights, strict=True):
+        place, color = (axes.get_xlim()[1], height), series_style(number - 1).color
+        axes.annotate(str(number), place, xytext=(3, 0), color=color, **look)
+
+
+def _points(branch: int) -> Look:
+    each = series_style(branch)
+    return {
+        "color": each.color,
+        "ls": "",
+        "marker": each.marker,
+        "ms": POINT_SIZE,
+        "mew": 0.3,
+        "zorder": 3,
+    }

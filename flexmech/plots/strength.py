@@ -18,8 +18,8 @@ from matplotlib.ticker import MaxNLocator
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import reading, scales, style
-from flexmech.plots.drawn_linkage.parts import drawn_posture
 from flexmech.plots.drawn_linkage.sketch import LinkageSketch, clearance
+from flexmech.plots.drawn_linkage.symbols import drawn_posture
 from flexmech.plots.layout import AxesLike, grid, height_of, sheet
 
 # Without the palest, which are not seen beside white, and the darkest, which are near to that of

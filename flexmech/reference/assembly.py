@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgbsv, dpbtrf, dpbtrs
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.beams.elements import BeamElements
-from flexmech.linear_system import AttachedPoint, Connectors, DisplacedTies, LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
+from flexmech.mechanics import AttachedPoint, Connectors, DisplacedTies, LinkFrames
+from flexmech.mechanics.beams.elements import BeamElements
 from flexmech.reference.corotational import CorotationalElements, in_positions
 
 

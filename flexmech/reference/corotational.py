@@ -24,8 +24,8 @@ from typing import NamedTuple
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.beams.elements import BeamElements
-from flexmech.linear_system import chain_matrix
+from flexmech.mechanics import chain_matrix
+from flexmech.mechanics.beams.elements import BeamElements
 
 # Step of differences over a radian or an element's length: half the digits.
 DIFFERENCE = 1e-7

@@ -18,7 +18,7 @@ from flexmech.analyses.response import compute as response_analysis
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, Exposure, absorbing_links
-from flexmech.linear_system import Engine
+from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.report.results import Results
 from flexmech.validation import check_choice, check_count, check_instance, checked_tuple

@@ -1,40 +1,107 @@
-"""From results to one HTML file that needs nothing else: no network, no Python."""
+"""From results to one HTML file that needs nothing else: no network, no Python.
+
+Tables of results as a page shows them: without rows none, and no wider than they must be.
+"""
 
 from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexmech.analyses import Result
-from flexmech.analyses.netcdf import file_attributes
+from flexmech.analyses import Result, Table
+from flexmech.analyses.result import file_attributes
 from flexmech.errors import InputError
 from flexmech.files import given_path, write_whole
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import KINDS, template
 from flexmech.plots.style import SERIES_STYLES
 from flexmech.report.answers import cards, trust
-from flexmech.report.embedding import (
+from flexmech.report.moving_linkage import (
     Arrays,
     breakable_markup,
     equation_markup,
     json_text,
+    mechanism_of,
+    moving_linkage,
     plotly_source,
 )
-from flexmech.report.moving_linkage import mechanism_of, moving_linkage
 from flexmech.report.panel import Panel
 from flexmech.report.panels import panels_of
 from flexmech.report.results import Results
-from flexmech.report.tables import shown_tables
 from flexmech.units import ANGULAR_SPEED, parse_quantity
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+
+
+# What a cell has where there is nothing to tell.
+_NOTHING = ("", "-")
+_FIXED = "\N{NO-BREAK SPACE}"
+
+
+def shown_tables(tables: Iterable[Table]) -> list[Table]:
+    """Tables that have rows, each as narrow as it can be without loss.
+
+    Parameters
+    ----------
+    tables : iterable of Table
+
+    Returns
+    -------
+    list of Table
+    """
+    return [narrowed(table) for table in tables if any(table.groups)]
+
+
+def narrowed(table: Table) -> Table:
+    """A table whose columns all tell something.
+
+    A column of words that is the same in every row goes into the title, and a column of empty cells
+    is left out. A number may be parted from its error, and nowhere else.
+
+    Parameters
+    ----------
+    table : Table
+
+    Returns
+    -------
+    Table
+
+    Examples
+    --------
+    >>> rows = (("dry", "crank", "1 ± 0.1"), ("dry", "rod", "2 ± 0.1"))
+    >>> table = Table("Peaks", ("state", "of", "force (N)"), (rows,), text_columns=2)
+    >>> narrowed(table).title, narrowed(table).headings
+    ('Peaks (state: dry)', ('of', 'force (N)'))
+    """
+    rows = [row for group in table.groups for row in group]
+    words = table.text_columns
+    columns = [{row[number] for row in rows} for number in range(len(table.headings))]
+    empty = {number for number, cells in enumerate(columns) if cells <= set(_NOTHING)}
+    same = {number for number in range(words) if len(rows) > 1 and len(columns[number]) == 1}
+    kept = [number for number in range(len(columns)) if number not in empty | same]
+    told = [f"{table.headings[n]}: {rows[0][n]}" for n in sorted(same - empty)]
+    return replace(
+        table,
+        title=f"{table.title} ({', '.join(told)})" if told else table.title,
+        headings=tuple(table.headings[number] for number in kept),
+        groups=tuple(
+            tuple(tuple(row[n] if n < words else _unbroken(row[n]) for n in kept) for row in group)
+            for group in table.groups
+        ),
+        text_columns=sum(number < words for number in kept),
+    )
+
+
+def _unbroken(cell: str) -> str:
+    """A number that a line breaks before its error alone."""
+    return cell.replace(" ", _FIXED).replace(f"{_FIXED}±", " ±")
 
 
 EXTRA = 'a report needs plotly and jinja2, which are not installed: pip install "flexmech[report]"'

@@ -1,6 +1,14 @@
 """Beam sections: what a link's cross-section is to a beam."""
 
-from flexmech.sections.beam_reduction import REDUCTIONS, Reduction
+from flexmech.sections.beam_reduction import (
+    REDUCTIONS,
+    SHEAR_THEORIES,
+    WARPINGS,
+    LayerDirection,
+    Reduction,
+    ThirdOrder,
+    Zigzag,
+)
 from flexmech.sections.beam_section import (
     BeamSection,
     Layers,
@@ -15,13 +23,6 @@ from flexmech.sections.hygrothermal import (
     swollen_section,
 )
 from flexmech.sections.laminate_section import SURFACES, LaminateSection, unit_ply_stresses
-from flexmech.sections.shear_theories import (
-    SHEAR_THEORIES,
-    WARPINGS,
-    LayerDirection,
-    ThirdOrder,
-    Zigzag,
-)
 from flexmech.sections.sheet_section import SheetSection
 from flexmech.sections.solid_section import SolidSection, solid_section
 

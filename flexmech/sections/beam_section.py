@@ -16,9 +16,9 @@ from flexmech.linkages import Topology
 from flexmech.linkages.topology import LinkEnd
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, short_repr, stated
+from flexmech.sections.beam_reduction import ThirdOrder, Zigzag, rectangular_zigzag
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
-from flexmech.sections.shear_theories import ThirdOrder, Zigzag, rectangular_zigzag
 from flexmech.sections.sheet_section import SheetSection
 from flexmech.validation import (
     FINITE,

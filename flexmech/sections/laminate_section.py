@@ -23,12 +23,22 @@ from flexmech.materials import Laminate
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections.beam_reduction import (
     REDUCTIONS,
+    SHEAR_THEORIES,
+    LayerDirection,
     PlaneState,
     Reduction,
+    ShearTheory,
     Strip,
+    ThirdOrder,
+    ThroughThickness,
+    Zigzag,
     gauss_points,
     lost_share,
+    parabolic_shear,
     shear_across,
+    shear_strain,
+    third_order_of,
+    zigzag_of,
 )
 from flexmech.sections.damping import SpecificDamping
 from flexmech.sections.free_edges import (
@@ -37,18 +47,6 @@ from flexmech.sections.free_edges import (
     Twist,
     free_edges,
     laminate_solid,
-)
-from flexmech.sections.shear_theories import (
-    SHEAR_THEORIES,
-    LayerDirection,
-    ShearTheory,
-    ThirdOrder,
-    ThroughThickness,
-    Zigzag,
-    parabolic_shear,
-    shear_strain,
-    third_order_of,
-    zigzag_of,
 )
 from flexmech.sections.solid_section import SolidSection
 from flexmech.units import LENGTH

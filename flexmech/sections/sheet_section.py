@@ -22,8 +22,10 @@ from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Ply, PlyDamping
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections.beam_reduction import (
+    LayerDirection,
     PlaneState,
     Reduction,
+    ShearTheory,
     energy_by_direction,
     lost_share,
 )
@@ -35,7 +37,6 @@ from flexmech.sections.free_edges import (
     laminate_solid,
 )
 from flexmech.sections.laminate_section import LaminateSection, LayeredSection
-from flexmech.sections.shear_theories import LayerDirection, ShearTheory
 from flexmech.sections.solid_section import ACROSS_PLANE, STRETCH
 from flexmech.units import LENGTH
 from flexmech.validation import POSITIVE, check_instance, check_number

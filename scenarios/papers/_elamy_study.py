@@ -43,8 +43,9 @@ from flexmech import BeamSection, Laminate, Material, Mechanism, PlyStrength, Re
 from flexmech.analyses import deflections
 from flexmech.arrays import FloatArray
 from flexmech.materials import Fibre, Matrix, ply_from_constituents, uncertainty_parts, woven_ply
+from flexmech.mechanics.running import DrivenLinkage
 from flexmech.sections import LaminateSection, Layers, SheetSection, unit_ply_stresses
-from flexmech.time_domain import DrivenLinkage, periodic_turn
+from flexmech.solvers import periodic_turn
 
 CONVERGED, PAPERS_MESH, THIRD_ORDER = "converged", "one element a link", "third order"
 BEAMS = {CONVERGED: (8, "euler"), PAPERS_MESH: (1, "euler"), THIRD_ORDER: (8, "reddy")}

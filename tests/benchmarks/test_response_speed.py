@@ -13,8 +13,9 @@ import pytest
 from flexmech import ExudynEngine, ReferenceEngine
 from flexmech.analyses.response.measurements import deflections
 from flexmech.linkages import ConstantSpeed
+from flexmech.mechanics.running import DrivenLinkage, LinkState
+from flexmech.solvers import linear_run, periodic_turn
 from flexmech.threads import one_thread
-from flexmech.time_domain import DrivenLinkage, LinkState, linear_run, periodic_turn
 
 DRIVE = ConstantSpeed(20.0)
 TURN = DRIVE.revolution_time

@@ -11,9 +11,10 @@ import pytest
 import scipy.linalg
 
 from flexmech import ExudynEngine, ReferenceEngine, load_mechanism, moving_frequencies
-from flexmech.analyses import Formulation, FrequencyRequest, solve_frequencies
+from flexmech.analyses import FrequencyRequest
 from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
-from flexmech.linear_system import RotationTerms
+from flexmech.mechanics import RotationTerms
+from flexmech.solvers import Formulation, solve_frequencies
 from flexmech.threads import one_thread
 
 ANGLES = np.radians(np.arange(361.0))

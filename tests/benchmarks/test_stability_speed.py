@@ -10,8 +10,8 @@ import scipy.linalg
 
 from flexmech import ReferenceEngine
 from flexmech.dynamical_systems import floquet_modes
+from flexmech.solvers import SampledTurn, counts_of_modes, moving_modes
 from flexmech.threads import one_thread
-from flexmech.time_domain import SampledTurn, counts_of_modes, moving_modes
 
 SPEED = 60.0
 STEPS = 320

@@ -27,7 +27,8 @@ from flexmech import (
 )
 from flexmech.analyses import deflections
 from flexmech.linkages import RigidMotion, Topology
-from flexmech.time_domain import DrivenLinkage, periodic_turn
+from flexmech.mechanics.running import DrivenLinkage
+from flexmech.solvers import periodic_turn
 from tests.support.mechanisms import NAMES, case
 from tests.support.stations import at_common_places
 

@@ -23,9 +23,10 @@ from flexmech import (
     load_mechanism,
     natural_frequencies,
 )
-from flexmech.analyses import deflections, solve_modes
+from flexmech.analyses import deflections
+from flexmech.mechanics.running import DrivenLinkage, LinkState
 from flexmech.sections import stiffened_section
-from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
+from flexmech.solvers import linear_run, solve_modes
 from tests.support.command import MODELS
 from tests.support.strategies import fourbar as slender_fourbar
 from tests.support.thick_links import LINKS, UNSYMMETRIC, damped, fourbar, laden, uncoupled

@@ -33,8 +33,9 @@ from flexmech import (
 )
 from flexmech.analyses import deflections
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import LinearSystem
-from flexmech.time_domain import DrivenLinkage, nonlinear_orbit, periodic_turn
+from flexmech.mechanics import LinearSystem
+from flexmech.mechanics.running import DrivenLinkage
+from flexmech.solvers import nonlinear_orbit, periodic_turn
 from tests.support.mechanisms import FOUR_BAR, GRAVITY, case, drawn, four_bar, strip, strips
 from tests.support.seeds import turning_seeds
 

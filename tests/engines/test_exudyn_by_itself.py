@@ -24,8 +24,8 @@ from flexmech import (
     response,
 )
 from flexmech.analyses import deflections
+from flexmech.mechanics.running import LinkState
 from flexmech.mechanism import Provenance
-from flexmech.time_domain import LinkState
 from tests.support.mechanisms import case
 
 # Of the peak deflection: what a script and the program may differ by.

@@ -24,7 +24,8 @@ from flexmech import (
     response,
 )
 from flexmech.analyses import deflections
-from flexmech.time_domain import LinkState, nonlinear_orbit
+from flexmech.mechanics.running import LinkState
+from flexmech.solvers import nonlinear_orbit
 from tests.support.mechanisms import at, case, eccentric_arm, fixed, strip
 
 ELEMENTS = pytest.mark.parametrize("element", ["ancf", "geometrically-exact"])

@@ -18,7 +18,7 @@ from flexmech import (
     ReferenceEngine,
     natural_frequencies,
 )
-from flexmech.analyses import solve_modes
+from flexmech.solvers import solve_modes
 from tests.support.mechanisms import drawn, four_bar
 from tests.support.strategies import LINKS, Running, fourbar, numbers, running_mechanisms, scaled
 

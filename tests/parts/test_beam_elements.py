@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
-from flexmech.beams.elements import BEAM_SHAPES, BeamElements
-from flexmech.linear_system import DeadMoments
 from flexmech.materials import Material
+from flexmech.mechanics import DeadMoments
+from flexmech.mechanics.beams.elements import BEAM_SHAPES, BeamElements
 from flexmech.reference.corotational import CorotationalElements
 from flexmech.sections import BeamSection
 from tests.support.strategies import numbers

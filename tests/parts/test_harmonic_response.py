@@ -10,7 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 from flexmech import ComputationError, InputError, LinkPoint, ReferenceEngine, load_mechanism
-from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.dynamical_systems import (
     ForcedPeriodicSystem,
     FourierSeries,
@@ -19,8 +18,9 @@ from flexmech.dynamical_systems import (
     direct_receptance,
     harmonic_response,
 )
-from flexmech.linear_system import point_rows
-from flexmech.time_domain import forced_linkage
+from flexmech.mechanics import point_rows
+from flexmech.solvers import forced_linkage
+from flexmech.solvers.stability import LinkageSolver
 
 FloatArray = NDArray[np.float64]
 ORDERS = np.arange(-2, 3)

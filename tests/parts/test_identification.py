@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flexmech.modal_testing import FrfNoise
-from flexmech.modal_testing.circle_fit import circle_fit_poles, peaks
 from flexmech.modal_testing.identified import fit_residues, modal_sum
+from flexmech.modal_testing.identify import circle_fit_poles, peaks
 from flexmech.modal_testing.lscf import stabilisation_chart
 from flexmech.modal_testing.refine import refined_poles, significant_poles
 

@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from flexmech.analyses.response.measurements import peaks_between
-from flexmech.analyses.response.spectra import WHOLE_PERIODS, amplitude_spectrum, spectrogram
+from flexmech.analyses.response.measurements import (
+    WHOLE_PERIODS,
+    amplitude_spectrum,
+    peaks_between,
+    spectrogram,
+)
 from flexmech.dynamical_systems import (
     FourierSeries,
     LowPass,
@@ -17,7 +21,7 @@ from flexmech.dynamical_systems import (
     parabolic_work,
 )
 from flexmech.dynamical_systems.lobatto import MARCH_ON, WEIGHTS
-from flexmech.time_domain import step_lag
+from flexmech.solvers import step_lag
 
 FloatArray = NDArray[np.float64]
 RATE = 2000.0

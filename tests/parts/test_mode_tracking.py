@@ -9,8 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from flexmech import ComputationError
-from flexmech.analyses.frequencies.refinement import Between, Positions, assign
-from flexmech.analyses.frequencies.tracking import Branches, Tracker
+from flexmech.solvers.tracking import Between, Branches, Positions, Tracker, assign
 
 FloatArray = NDArray[np.float64]
 CENTRE = np.radians(47.3)

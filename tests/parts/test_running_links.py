@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexmech import AttachedBody, ExudynEngine, Mechanism, ReferenceEngine
-from flexmech.time_domain import nonlinear_orbit
+from flexmech.solvers import nonlinear_orbit
 from tests.support.mechanisms import case, drawn, strip
 
 # Two elastic pieces that a rigid bar joins at an angle, with a body beside the last.

@@ -11,10 +11,9 @@ import pytest
 import scipy
 
 from flexmech.studies import Goal, Limit, Output, Study
-from flexmech.studies.designs.kept import KeptDesigns
-from flexmech.studies.designs.model_search import by_model, most_by_model
-from flexmech.studies.designs.scatter import Scatter
-from flexmech.studies.designs.search import Search
+from flexmech.studies.campaign import KeptDesigns
+from flexmech.studies.scatter import Scatter
+from flexmech.studies.search import Search, by_model, most_by_model
 from tests.support.study_data import Scripted, study, thickness
 
 OUTPUTS = {"stress": Output("peak_stress"), "mass": Output("mass")}

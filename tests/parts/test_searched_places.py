@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexmech.analyses.extremes import with_steps
-from flexmech.analyses.strength.forces import cuts_of
+from flexmech.analyses.strength.joint_loads import cuts_of
 from tests.support.mechanisms import case
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flexmech.analyses.stability.edges import BandName, band_name, closing_fits, multiplier_fits
 from flexmech.analyses.stability.growth import Sample, runs_of_growth
-from flexmech.analyses.stability.naming import BandName, band_name, closing_fits, multiplier_fits
 
 USUAL = np.array([44.0, 49.0, 180.0])
 ALIKE = [44.5, 49.0, 181.0]

@@ -18,8 +18,8 @@ import zarr
 
 from flexmech import ComputationError, InputError
 from flexmech.studies import Correlation, Goal, Limit, Output, optimum_study, sweep_study
-from flexmech.studies.designs.evaluation import Evaluated, Task
-from flexmech.studies.designs.scatter import Scatter
+from flexmech.studies.evaluation import Evaluated, Task
+from flexmech.studies.scatter import Scatter
 from tests.support.study_data import Scripted, bytes_of, density, study, thickness
 
 CHUNK = 256

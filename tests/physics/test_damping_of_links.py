@@ -15,12 +15,13 @@ from scipy.optimize import brentq
 
 import flexmech
 from flexmech import ExudynEngine, ReferenceEngine
-from flexmech.analyses import natural_frequencies, solve_modes, strain_energy_damping
+from flexmech.analyses import natural_frequencies, strain_energy_damping
 from flexmech.linkages import RotatingArm
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.sections import BeamSection, SpecificDamping
+from flexmech.solvers import solve_modes
 from tests.support.strategies import Running, arm, fourbar, running_mechanisms
 
 STIFFNESS = {

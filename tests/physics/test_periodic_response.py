@@ -9,7 +9,7 @@ import pytest
 
 import flexmech
 from flexmech import ExudynEngine, ReferenceEngine, ResponseRequest
-from flexmech.time_domain import nonlinear_orbit
+from flexmech.solvers import nonlinear_orbit
 
 # Of settled nonlinear runs on fine meshes at 1200 rpm, coupler off its chord, in m.
 SETTLED = 1.1343e-3

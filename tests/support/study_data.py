@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmech import load_mechanism
 from flexmech.studies import Output, Study, Variable
-from flexmech.studies.designs.evaluation import Evaluated, Task
+from flexmech.studies.evaluation import Evaluated, Task
 from flexmech.units import DENSITY, LENGTH
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import xarray as xr
 
-from flexmech.analyses.remarks import speed_with_unit
-from flexmech.analyses.summary import Aspect
+from flexmech.analyses.summary import Aspect, speed_with_unit
 from flexmech.arrays import FloatArray
 from flexmech.linkages import Drive, TableDrive
 

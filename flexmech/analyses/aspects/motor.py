@@ -10,8 +10,7 @@ import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity, rounded
-from flexmech.analyses.remarks import speed_with_unit
-from flexmech.analyses.summary import Aspect
+from flexmech.analyses.summary import Aspect, speed_with_unit
 from flexmech.arrays import FloatArray
 from flexmech.linkages import DcMotor, MotorRun, SettledRun
 from flexmech.linkages.motors.motor import MotorOutput

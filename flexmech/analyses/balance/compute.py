@@ -1,24 +1,262 @@
-"""Counterweights that balance a linkage: fully, in part, or in a compromise."""
+"""Counterweights that balance a linkage: fully, in part, or in a compromise.
+
+From counterweights to one labelled dataset: the linkage as given, and balanced.
+
+The result of a balance: its tables, picture, model file and words.
+
+The balanced model file: that of the mechanism with its counterweights.
+"""
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
+import numpy as np
 import xarray as xr
 
-from flexmech.analyses.balance.compromise import WeighedSum, least_moments
-from flexmech.analyses.balance.counterweights import Counterweight, balanced
-from flexmech.analyses.balance.dataset import STATES, balance_dataset, elastic_variables
-from flexmech.analyses.balance.elastic import elastic_shaking
-from flexmech.analyses.balance.model_file import balanced_text
-from flexmech.analyses.balance.peaks import elastic_peaks
+from flexmech import plots
+from flexmech.analyses.aspects.shaking import harmonic_values
+from flexmech.analyses.balance.compromise import (
+    Counterweight,
+    WeighedSum,
+    balanced,
+    inertia_loads,
+    least_moments,
+)
+from flexmech.analyses.balance.elastic import (
+    ElasticShaking,
+    elastic_peaks,
+    elastic_shaking,
+    rigid_peaks,
+)
 from flexmech.analyses.balance.request import WEIGHED, BalanceRequest
-from flexmech.analyses.balance.result import Balance
+from flexmech.analyses.balance.words import summary_of
+from flexmech.analyses.datasets import origin
+from flexmech.analyses.result import Result
+from flexmech.analyses.schema import Values, schema_of
+from flexmech.analyses.summary import Summary
 from flexmech.arrays import LabelledProgress, silent
 from flexmech.errors import FlexmechError, InputError
-from flexmech.linear_system import Engine, checked_mechanism
-from flexmech.linkages.frame_forces import OneCouplerLinkage
+from flexmech.linkages.frame_forces import OneCouplerLinkage, ShakingForce, shaft_axis
+from flexmech.mechanics import Engine, checked_mechanism
 from flexmech.mechanism import Mechanism
+from flexmech.modelfile.read import mechanism_from_toml
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+STATES = ("as given", "balanced")
+"""Of the linkage, along the dimension ``state``."""
+
+SCHEMA = schema_of(__package__)
+# Of a turn whose harmonics are told.
+_STEPS = 720
+_TURN = 2 * np.pi
+
+
+def balance_dataset(
+    states: Sequence[Mechanism], weights: Sequence[Counterweight], request: BalanceRequest
+) -> xr.Dataset:
+    """Loads of rigid links before and after, and the counterweights.
+
+    Parameters
+    ----------
+    states : sequence of Mechanism
+        As given, and balanced.
+    weights : sequence of Counterweight
+    request : BalanceRequest
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    given, point = states[0], request.moment_point
+    topology = given.linkage.topology
+    if point is None:
+        point = shaft_axis(topology, given.linkage.motion(request.crank_angles[:1]))
+    values: Values = {
+        "state": list(STATES),
+        "crank_angle": request.crank_angles,
+        "component": ["x", "y"],
+        "joint": list(topology.joint_names),
+        "moment_point": np.array(point),
+        "counterweight": [weight.link.name for weight in weights],
+        "counterweight_mass": [weight.mass for weight in weights],
+        "counterweight_radius": [weight.radius for weight in weights],
+        "counterweight_angle": [weight.angle for weight in weights],
+        "counterweight_place": [weight.place for weight in weights],
+        "counterweight_about": [_joint_at(given, weight) for weight in weights],
+    }
+    parts = [_state(each, request) for each in states]
+    dataset = SCHEMA.dataset(values, parts=parts, along="state")
+    dataset = dataset.merge(rigid_peaks(states, request))
+    return dataset.assign_attrs(
+        {
+            **origin(given),
+            "crank_speed": request.speed_of(given),
+            "speed_unit": request.shown_unit(given),
+            "weight": float(np.linalg.norm(given.gravity)),
+        }
+    )
+
+
+def _joint_at(mechanism: Mechanism, weight: Counterweight) -> str:
+    """Joint about which the link of a counterweight rotates."""
+    topology, link = mechanism.linkage.topology, weight.link
+    fixed = {pivot.link_end: pivot.joint for pivot in topology.pivots}
+    fixed |= {clamp.link_end: clamp.joint for clamp in topology.clamps}
+    return next(joint for end, joint in fixed.items() if end.link == link.name)
+
+
+def _state(mechanism: Mechanism, request: BalanceRequest) -> Values:
+    """Loads of one state over the crank angles."""
+    speed = request.speed_of(mechanism)
+    motion = mechanism.linkage.motion(request.crank_angles, speed)
+    loads = inertia_loads(mechanism, motion, request.moment_point)
+    forces = mechanism.without_loads_over_time.inverse_dynamics(motion)
+    joints = mechanism.linkage.topology.joint_names
+    return {
+        "shaking_force": loads.force,
+        "shaking_moment": loads.moment,
+        "driving_torque": loads.torque,
+        "joint_force": np.stack([forces.joint_force[name] for name in joints], axis=1),
+        "moving_mass": sum(mass.moment(0) for mass in mechanism.link_masses_in_order),
+        **_harmonics(mechanism, speed, request),
+    }
+
+
+def _harmonics(mechanism: Mechanism, speed: float, request: BalanceRequest) -> Values:
+    """Harmonics of the shaking force, where the angles asked for span a turn."""
+    first, last = request.crank_angles[[0, -1]].tolist()
+    if last - first < _TURN * (1 - 1e-9):
+        return {}
+    angles = first + _TURN * np.arange(_STEPS) / _STEPS
+    loads = inertia_loads(mechanism, mechanism.linkage.motion(angles, speed), request.moment_point)
+    return harmonic_values(ShakingForce(loads.force, loads.moment, (0.0, 0.0)), angles)
+
+
+def elastic_variables(found: Sequence[ElasticShaking]) -> xr.Dataset:
+    """Shaking force of elastic links in periodic motion, and the first natural frequency.
+
+    Parameters
+    ----------
+    found : sequence of ElasticShaking
+        Of each state.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    return SCHEMA.dataset(
+        {
+            "elastic_shaking_force": np.stack([each.force for each in found]),
+            "elastic_shaking_moment": np.stack([each.moment for each in found]),
+            "first_frequency": [each.first_frequency for each in found],
+            "first_frequency_error": [
+                each.first_frequency * each.frequency_error for each in found
+            ],
+            "state": list(STATES),
+            "elastic_angle": found[0].crank_angle,
+            "component": ["x", "y"],
+        }
+    )
+
+
+class Balance(Result):
+    """Counterweights of a linkage, and its shaking force, torque and joint forces with them.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The variables of ``schema.toml``: counterweights over ``counterweight``, named by their
+        links; loads before and after over ``state`` ("as given", "balanced"). The attribute
+        ``balanced_model`` is the model file with the counterweights.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
+    """
+
+    stem = "balance"
+    subject = "balance"
+    hallmark = "counterweight_mass"
+    files = ("balanced.toml",)
+
+    def tabulated(self) -> xr.Dataset:
+        """The dataset with sizes of joint forces."""
+        force = self.dataset["joint_force"].transpose(..., "component")
+        return self.dataset.assign(
+            joint_force_size=(force.dims[:-1], np.linalg.norm(force.values, axis=-1))
+        )
+
+    def texts(self) -> dict[str, str]:
+        """The balanced model file."""
+        return {"balanced.toml": str(self.dataset.attrs["balanced_model"])}
+
+    def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
+        """Draw shaking force, shaking moment and driving torque before and after.
+
+        Parameters
+        ----------
+        ax : sequence of matplotlib.axes.Axes, optional
+            Four of the user's.
+        """
+        return plots.plot_balance(self.dataset, ax=ax)
+
+    def summary(self) -> Summary:
+        """The counterweights, the shaking force before and after, and what they cost."""
+        return summary_of(self.dataset)
+
+
+def balanced_text(
+    mechanism: Mechanism, given: Mechanism, weights: Sequence[Counterweight], remark: str
+) -> str:
+    """Write a model file that loads back equal to the balanced mechanism.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With the counterweights.
+    given : Mechanism
+        Without them; its own file, comments included, is kept where it can be.
+    weights : sequence of Counterweight
+    remark : str
+        What the counterweights are for, in a line.
+
+    Returns
+    -------
+    str
+        TOML.
+    """
+    tables = "".join(_table(weight) for weight in weights if weight.mass)
+    name = f"name = {json.dumps(mechanism.provenance.name, ensure_ascii=False)}"
+    own = re.sub(r"(?m)^name\s*=.*$", lambda _: name, given.provenance.text, count=1)
+    text = f"{own.rstrip()}\n\n# {remark}{tables}"
+    if given.provenance.text and _reads_as(text, mechanism):
+        return text
+    return f"# {remark}\n{mechanism.to_toml()}"
+
+
+def _reads_as(text: str, mechanism: Mechanism) -> bool:
+    """Whether a text is a model file of a mechanism.
+
+    A file whose links stand in lines of their own takes no table at its end.
+    """
+    try:
+        return mechanism_from_toml(text) == mechanism
+    except InputError:
+        return False
+
+
+def _table(weight: Counterweight) -> str:
+    """The counterweight as a table at the end of a model file."""
+    name = weight.link.name
+    key = name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name, ensure_ascii=False)
+    rows = (f"{key} = {json.dumps(value)}" for key, value in weight.body.to_table().items())
+    return "\n".join([f"\n[[links.{key}.bodies]]", *rows, ""])
+
 
 # Of a first moment, over masses times lengths: the last bits of sums of ten numbers. What is left
 # out so does not shake the frame by more than the round-off of joint forces.

@@ -9,11 +9,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.aspects.shaking import harmonics_line, point_text
-from flexmech.analyses.balance.peaks import JOINT_FORCE
+from flexmech.analyses.balance.elastic import JOINT_FORCE
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity, percent, plain
-from flexmech.analyses.remarks import crank_speed_text
-from flexmech.analyses.summary import Row, Summary, Table
+from flexmech.analyses.summary import Row, Summary, Table, crank_speed_text
 from flexmech.arrays import ROUND_OFF
 
 _MM, _GRAM = 1e3, 1e3

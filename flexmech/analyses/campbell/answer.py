@@ -8,17 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.campbell.clear import (
+from flexmech.analyses.campbell.crossings import ray
+from flexmech.analyses.campbell.words import (
     computed_ranges,
     is_computed,
     not_computed,
     without,
 )
-from flexmech.analyses.campbell.crossings import ray
 from flexmech.analyses.digits import Quantity, rounded
-from flexmech.analyses.remarks import speed_text
-from flexmech.analyses.summary import Table
-from flexmech.analyses.trust import EngineDifference, trust_line
+from flexmech.analyses.summary import EngineDifference, Table, speed_text, trust_line
 from flexmech.arrays import FloatArray
 from flexmech.plots.reading import merged, speed_unit
 from flexmech.units import from_si

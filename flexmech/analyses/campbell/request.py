@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.requests import without_end
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
+from flexmech.solvers.formulation import Formulation
 from flexmech.units import parse_number
 from flexmech.validation import checked_array
 

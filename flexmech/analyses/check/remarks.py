@@ -3,6 +3,10 @@
 What cannot be at all is refused where a number is read (:mod:`flexmech.plausible`); here are the
 ranges of what is usual. Sections without known layers are judged by what their stiffnesses and
 masses say together.
+
+What a linkage is, in one sentence.
+
+What an engineer would remark on in how a linkage moves: transmission angles, laws of motion.
 """
 
 from __future__ import annotations
@@ -13,14 +17,137 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from flexmech.analyses.check.in_short import turns_fully
-from flexmech.analyses.check.motion_remarks import on_drive, on_transmission
 from flexmech.arrays import FloatArray
-from flexmech.linkages import FourBar, PlanarLinkage
+from flexmech.linkages import Drive, FourBar, Linkage, PlanarLinkage, assemblable
 from flexmech.linkages.change_points import passing
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 from flexmech.units import ZERO_CELSIUS, from_si
+
+# A range of motion with a gap of less than a degree passes as a whole turn.
+_TURN = np.radians(np.arange(0.0, 360.0))
+
+
+def linkage_in_short(linkage: Linkage) -> str:
+    """Kind and size of a linkage, whether its crank turns fully, and its transmission angle.
+
+    Parameters
+    ----------
+    linkage : Linkage
+
+    Returns
+    -------
+    str
+        A sentence.
+
+    Examples
+    --------
+    >>> linkage_in_short(flexmech.FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667))
+    'A four-bar, crank-rocker: the crank turns fully; the transmission angle is 32.21 to 81.33 deg.'
+    """
+    if isinstance(linkage, FourBar):
+        angles = " to ".join(f"{math.degrees(a):.4g}" for a in linkage.transmission_angle_limits())
+        return (
+            f"A four-bar, {linkage.grashof_class}: the crank {_turns(linkage.crank_turns_fully)}; "
+            f"the transmission angle is {angles} deg."
+        )
+    if not isinstance(linkage, PlanarLinkage):
+        (arm,) = linkage.topology.links
+        return f"An arm of {1e3 * arm.length:.6g} mm on a hub: it turns fully."
+    if linkage.drawing.is_stationary:
+        return "A frame that stands still: nothing drives it."
+    return f"{_planar_kind(linkage)}: the crank {_turns(turns_fully(linkage))}."
+
+
+def turns_fully(linkage: PlanarLinkage) -> bool:
+    """Whether a drawn linkage has no change point and can be assembled at all whole degrees."""
+    return bool(not linkage.change_angles.size and assemblable(linkage, _TURN).all())
+
+
+def _planar_kind(linkage: PlanarLinkage) -> str:
+    """What a drawing shows: a slider-crank with its lengths, or how many links and sliders."""
+    links, topology = linkage.links, linkage.topology
+    sliders = topology.sliders
+    count, many = len(links), len(sliders)
+    if len(topology.links) == count == 2 and many == 1 and not sliders[0].guide:
+        crank, rod = (1e3 * link.length for link in topology.links)
+        return f"A slider-crank of {crank:.6g} and {rod:.6g} mm"
+    moving = f"A planar linkage of {count} moving link{'s' * (count > 1)}"
+    return f"{moving}, {many} slider{'s' * (many > 1)}" if many else moving
+
+
+def _turns(fully: bool) -> str:
+    return "turns fully" if fully else "does not turn fully"
+
+
+# In m/s^2, some 1e4 times that of weight: the fastest machines stay well below it.
+_MOST_ACCELERATION = 1e5
+_GRAVITY = 9.80665
+# Time in which the crank gains its speed over the period of the first mode. A cycloidal move takes
+# pi times as long: a tenth of a period.
+_LEAST_RISE = 0.03
+
+
+def on_transmission(linkage: PlanarLinkage, least: float) -> Iterator[str]:
+    """On joints of a drawn linkage whose transmission angle is small.
+
+    Parameters
+    ----------
+    linkage : PlanarLinkage
+    least : float
+        Usual transmission angle in degrees.
+
+    Yields
+    ------
+    str
+        Nothing of a crank that does not turn fully, which ends where a transmission angle is zero.
+    """
+    if linkage.drawing.is_stationary or not turns_fully(linkage):
+        return
+    for joint, angle in linkage.transmission_angles(_TURN).items():
+        place = int(angle.argmin())
+        found = math.degrees(float(angle[place]))
+        if found < least:
+            yield (
+                f"joint {joint}: transmission angle {found:.4g} deg (pressure angle "
+                f"{90 - found:.4g} deg) at crank angle {math.degrees(_TURN[place]):.4g} deg is "
+                f"below {least:g} deg: large forces in the pins and little motion for them"
+            )
+
+
+def on_drive(mechanism: Mechanism, first: float | None) -> Iterator[str]:
+    """On a law of motion, or a run-up, that is faster than machines are.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    first : float or None
+        First natural frequency in Hz, where it is known.
+
+    Yields
+    ------
+    str
+    """
+    drive = mechanism.drive
+    if not isinstance(drive, Drive) or drive.is_constant:
+        return
+    crank = mechanism.linkage.topology.links[0]
+    times = drive.passing_times
+    accelerations, speeds = drive.crank_acceleration(times), drive.crank_speed(times)
+    gained, speed = float(np.abs(accelerations).max()), float(np.abs(speeds).max())
+    reached = crank.length * float(np.hypot(accelerations, speeds**2).max())
+    if reached > _MOST_ACCELERATION:
+        yield (
+            f"drive, {drive.words}: the end of the {crank.name} is accelerated by up to "
+            f"{reached:.3g} m/s^2, {reached / _GRAVITY:.3g} times its weight; check the times"
+        )
+    if first and gained and speed / gained * first < _LEAST_RISE:
+        yield (
+            f"drive, {drive.words}: the crank gains its speed of {speed:.4g} rad/s in some "
+            f"{speed / gained:.2g} s, {speed / gained * first:.2g} of a period of the first "
+            f"natural frequency, {first:.4g} Hz: the links cannot follow; check the times"
+        )
+
 
 # Ashby, Materials Selection in Mechanical Design: foams and soft rubber, diamond.
 _LEAST_MODULUS, _MOST_MODULUS = 1e6, 1.1e12

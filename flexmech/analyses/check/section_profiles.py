@@ -20,15 +20,14 @@ from flexmech.analyses.check.sections import (
 )
 from flexmech.analyses.datasets import Columns, columns_along, origin, table_of, with_units
 from flexmech.analyses.digits import Quantity, plain
-from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import environment_of, link_of
 from flexmech.analyses.result import Result
-from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.summary import Summary, Table, environment_lines
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
-from flexmech.linear_system import checked_mechanism
-from flexmech.materials.stacking import stacking_text
+from flexmech.materials.laminate import stacking_text
+from flexmech.mechanics import checked_mechanism
 from flexmech.mechanism import Mechanism
 
 if TYPE_CHECKING:

@@ -9,23 +9,25 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.comparison.fit import Fit
-from flexmech.analyses.comparison.parameters import (
+from flexmech.analyses.comparison.problem import (
     DAMPING,
     GAIN,
     NOTHING,
     OFFSET,
+    ComparisonRequest,
+    LinearTerms,
+    RecordProblem,
     fitted_engine,
     fitted_names,
+    rows_taken_at,
 )
-from flexmech.analyses.comparison.problem import LinearTerms, RecordProblem, rows_taken_at
-from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.crank_speeds import RAD_S, in_unit
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.requests import in_radians
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError, suggestion
-from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord
+from flexmech.mechanics import Engine
 from flexmech.units import from_si
 
 # Crank speeds of a record that are those asked for, but for rounding, in rad/s.

@@ -10,29 +10,27 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.comparison.fit import Fit
-from flexmech.analyses.comparison.parameters import (
+from flexmech.analyses.comparison.problem import (
     DAMPING,
     GAIN,
+    LITTLE_EXPLAINED,
     OFFSET,
     RATIOS,
-    fitted_engine,
-    fitted_names,
-)
-from flexmech.analyses.comparison.problem import (
-    LITTLE_EXPLAINED,
+    ComparisonRequest,
     LinearTerms,
     RecordProblem,
+    fitted_engine,
+    fitted_names,
     rows_taken_at,
 )
 from flexmech.analyses.comparison.quantities import COMPANIONS
-from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MOST_MODES
 from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import InputError
-from flexmech.linear_system import GREAT_DETAIL, Engine, LinearSystem, LinkPoint, point_rows
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
+from flexmech.mechanics import GREAT_DETAIL, Engine, LinearSystem, LinkPoint, point_rows
 
 # What a response over a force is called by its SI unit, and how often it is differentiated.
 _KINDS: dict[str, tuple[str, int]] = {

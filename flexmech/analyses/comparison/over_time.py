@@ -15,34 +15,32 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.comparison.fit import Fit, Parameter, nearest_values
-from flexmech.analyses.comparison.parameters import (
+from flexmech.analyses.comparison.problem import (
+    CURVES,
     DAMPING,
     GAIN,
     LINEAR,
+    LITTLE_EXPLAINED,
     OFFSET,
     START_ANGLE,
+    ComparisonRequest,
+    LinearTerms,
+    RecordProblem,
     damping_times,
     fitted_engine,
     fitted_names,
     stiffness_factors,
 )
-from flexmech.analyses.comparison.problem import (
-    CURVES,
-    LITTLE_EXPLAINED,
-    LinearTerms,
-    RecordProblem,
-)
 from flexmech.analyses.comparison.quantities import Gauge, gauges, matched
-from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.damping_ratios import lowest_frequency
+from flexmech.analyses.response.measurements import amplitude_spectrum
 from flexmech.analyses.response.plan import SPECTRUM_REACH
-from flexmech.analyses.response.spectra import amplitude_spectrum
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, sampling_interval
-from flexmech.time_domain import ForcedModes, FreeAndForced, forced_modes
+from flexmech.mechanics import Engine
+from flexmech.solvers import ForcedModes, FreeAndForced, forced_modes
 
 # Singular values of the free vibrations below this part of the greatest are round-off.
 _ROUND_OFF = 1e-9

@@ -1,10 +1,15 @@
-"""A record beside a model with free parameters: what every kind of record has in common."""
+"""A record beside a model with free parameters: what every kind of record has in common.
+
+What a comparison with a record is asked to be.
+
+Free parameters of a fit, by their names, and the engine with values of them.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -14,18 +19,238 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.comparison.fit import Fit, Parameter
-from flexmech.analyses.comparison.parameters import (
-    LINEAR,
-    RATIOS,
-    USUAL_RATIO,
-    free_parameters,
-)
-from flexmech.analyses.comparison.request import ComparisonRequest
-from flexmech.analyses.crank_speeds import RAD_S
+from flexmech.analyses.crank_speeds import RAD_S, one_rad_per_s
+from flexmech.analyses.damping_ratios import with_damping_times
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
-from flexmech.errors import InputError
-from flexmech.linear_system import Engine
+from flexmech.errors import InputError, suggestion
 from flexmech.measured_data import MeasuredRecord
+from flexmech.mechanics import Engine
+from flexmech.sections import stiffened_section
+from flexmech.validation import check_angle, check_instance, checked_tuple
+
+
+@dataclass(frozen=True)
+class ComparisonRequest:
+    """How a record was taken, and what of the model is fitted to it.
+
+    Parameters
+    ----------
+    speed : float, optional
+        Crank speed in ``speed_unit`` at which the record was taken; 0 for natural frequencies at
+        rest.
+    angle : float, optional
+        Crank angle in rad at which the crank was locked, for a frequency-response function.
+        One of the two.
+    quantity : str, optional
+        What is computed: a column of ``response.csv`` over time, such as
+        ``"coupler_mid_strain"``; for a frequency-response function the points of impact and
+        response, such as ``"coupler:0.5"`` or ``"coupler:0.5,rocker:0.5"``, behind the
+        function's name and an @ where the record holds several. Left out: what the record's own
+        column names.
+    fit : sequence of str, optional
+        Any of ``"damping"``, ``"damping:LINK"``, ``"stiffness:LINK"``, ``"offset"`` and
+        ``"gain"``, or ``"none"``. Left out: ``damping`` over time, ``damping`` and ``gain`` for a
+        frequency-response function, nothing for natural frequencies.
+    speed_unit : str, optional
+        Unit of the speed, such as ``"rpm"``, in which results speak of it. Left out: rad/s.
+
+    Raises
+    ------
+    InputError
+        If a value is impossible, or not one of speed and angle is given.
+
+    Examples
+    --------
+    >>> flexmech.ComparisonRequest(speed=20.0, fit=("damping", "stiffness:coupler")).fit
+    ('damping', 'stiffness:coupler')
+    """
+
+    speed: float | None = None
+    angle: float | None = None
+    quantity: str | None = None
+    fit: tuple[str, ...] | None = None
+    speed_unit: str | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if (self.speed is None) == (self.angle is None):
+            raise InputError(
+                "a comparison needs either the crank speed at which the record was taken, or the "
+                "angle at which the crank was locked; give one of speed and angle"
+            )
+        _ = self.crank_speed
+        if self.angle is not None:
+            check_angle(self.angle, "angle")
+        if self.quantity is not None:
+            check_instance(self.quantity, str, "quantity", "write the name of a column")
+        if self.fit is not None:
+            remedy = "it must be a tuple of names, as ('damping',), or ('none',) to fit nothing"
+            object.__setattr__(self, "fit", checked_tuple(self.fit, str, "fit", remedy))
+            if not self.fit:
+                raise InputError(f"fit is empty; {remedy}")
+
+    @cached_property
+    def crank_speed(self) -> float | None:
+        """Crank speed in rad/s."""
+        speed = self.speed
+        return None if speed is None else one_rad_per_s(speed, self.speed_unit, "speed")
+
+
+DAMPING, STIFFNESS, OFFSET, GAIN, NOTHING = "damping", "stiffness", "offset", "gain", "none"
+# Crank angle of a record's first sample, where the record does not tell it.
+START_ANGLE = "start_angle"
+# What a computed record is linear in, and the factor where it is not fitted.
+LINEAR = {GAIN: 1.0, OFFSET: 0.0}
+# Damping ratio of the first mode that the unit of a fitted damping time stands for.
+USUAL_RATIO = 0.005
+# Damping ratios from which the fit may begin, of steel to polymers.
+RATIOS = (0.001, 0.003, 0.01, 0.03)
+# Crank angles at which a record may begin: every 2.5 deg, a fraction of the first mode's period.
+_ANGLES = 144
+# Part of the model's stiffness below which no measured link is.
+_LEAST_STIFFNESS = 0.05
+# Usual changes, which scale the fit's steps: of a stiffness or a gain, and of an angle in deg.
+_STIFFNESS_STEP, _GAIN_STEP, _ANGLE_STEP = 0.1, 0.1, 10.0
+
+
+def fitted_names(names: Sequence[str], links: Sequence[str]) -> tuple[str, ...]:
+    """Read what is asked to be fitted.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Such as ``("damping", "damping:coupler", "stiffness:coupler")``. ``damping`` is one
+        Kelvin-Voigt time of all links that have none of their own here, ``offset`` the gauge's
+        zero, ``gain`` a factor on the computed record.
+    links : sequence of str
+        Names of the linkage's links.
+
+    Returns
+    -------
+    tuple of str
+        In the order of the parameters; empty for ``("none",)``.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown or stands twice, or ``none`` stands beside others.
+    """
+    own = [f"{what}:{link}" for what in (DAMPING, STIFFNESS) for link in links]
+    known = [DAMPING, *own, OFFSET, GAIN, NOTHING]
+    for name in names:
+        if name not in known:
+            raise InputError(f"fit: {name!r} cannot be fitted; {suggestion(name, known)}")
+        if names.count(name) > 1:
+            raise InputError(f"fit: {name!r} stands twice; name each once")
+    if NOTHING in names and len(names) > 1:
+        raise InputError(f"fit: {NOTHING!r} stands beside others; write it alone, or leave it out")
+    if DAMPING in names and all(f"{DAMPING}:{link}" in names for link in links):
+        raise InputError(
+            "fit: every link has a damping time of its own, and none is left for 'damping'; leave "
+            "that out, or one of the links"
+        )
+    return tuple(name for name in known[:-1] if name in names)
+
+
+def damping_times(links: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
+    """Damping time in s of each link that has one among values by name.
+
+    Parameters
+    ----------
+    links : sequence of str
+        Names of all links.
+    values : mapping of str to float
+
+    Returns
+    -------
+    dict of str to float
+    """
+    common = dict.fromkeys(links, values[DAMPING]) if DAMPING in values else {}
+    return common | {link: values[key] for link in links if (key := f"{DAMPING}:{link}") in values}
+
+
+def stiffness_factors(values: Mapping[str, float]) -> dict[str, float]:
+    """Stiffness factor of each link that has one among values by name."""
+    kinds = {name: name.partition(":") for name in values}
+    return {link: values[name] for name, (kind, _, link) in kinds.items() if kind == STIFFNESS}
+
+
+def fitted_engine(engine: Engine, values: Mapping[str, float]) -> Engine:
+    """The engine with damping times and stiffness factors of links; it keeps its element.
+
+    Parameters
+    ----------
+    engine : Engine
+    values : mapping of str to float
+        By the names of the parameters. A factor is of the axial, bending and shear stiffness
+        together, and of all that the layers of a laminate have.
+
+    Returns
+    -------
+    Engine
+    """
+    times = damping_times(engine.mechanism.linkage.topology.link_names, values)
+    if times:
+        engine = with_damping_times(engine.with_(element=engine.element), times)
+    factors = stiffness_factors(values)
+    if not factors:
+        return engine
+    mechanism = engine.mechanism
+    sections = {
+        name: stiffened_section(section, factors[name]) if name in factors else section
+        for name, section in mechanism.sections.items()
+    }
+    return engine.with_(mechanism=replace(mechanism, sections=sections), element=engine.element)
+
+
+def free_parameters(
+    names: Sequence[str],
+    misfit: Callable[[Mapping[str, float]], float],
+    unit_time: float,
+    unit: str,
+    size: float,
+    ratios: Sequence[float] = RATIOS,
+) -> tuple[Parameter, ...]:
+    """Parameters of a fit, from the best of the crank angles and damping times tried.
+
+    Parameters
+    ----------
+    names : sequence of str
+    misfit : callable
+        Sum of squares of the residual for values by name.
+    unit_time : float
+        Kelvin-Voigt time in s that damps the first mode by the usual ratio.
+    unit : str
+        Of the record.
+    size : float
+        Of the record's values, the scale of its offset.
+    ratios : sequence of float
+        Damping ratios of the first mode that are tried.
+
+    Returns
+    -------
+    tuple of Parameter
+    """
+    kinds = {
+        DAMPING: Parameter("", "s", unit_time, unit_time),
+        STIFFNESS: Parameter("", "", 1.0, _STIFFNESS_STEP, _LEAST_STIFFNESS),
+        OFFSET: Parameter("", unit, LINEAR[OFFSET], size, linear=True),
+        GAIN: Parameter("", "", LINEAR[GAIN], _GAIN_STEP, linear=True),
+        START_ANGLE: Parameter("", "deg", 0.0, _ANGLE_STEP),
+    }
+    found = {name: replace(kinds[name.partition(":")[0]], name=name) for name in names}
+    trials = {
+        START_ANGLE: (360 / _ANGLES * np.arange(_ANGLES)).tolist(),
+        DAMPING: [unit_time * ratio / USUAL_RATIO for ratio in ratios],
+    }
+    for kind, choices in trials.items():
+        which = [name for name in names if name.startswith(kind)]
+        if which:
+            start = {name: parameter.start for name, parameter in found.items()}
+            misfits = [misfit(start | dict.fromkeys(which, choice)) for choice in choices]
+            best = choices[int(np.argmin(misfits))]
+            found |= {name: replace(found[name], start=best) for name in which}
+    return tuple(found.values())
+
 
 # Where less than the other part of a record is explained, another gain or sign is tried.
 LITTLE_EXPLAINED = 0.5

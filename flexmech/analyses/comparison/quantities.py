@@ -10,8 +10,8 @@ import numpy as np
 from flexmech.analyses.response.measurements import probes, surface_strain
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, suggestion
-from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
+from flexmech.mechanics import Engine
 
 # Columns that tell where a sample was taken, not what was measured there.
 COMPANIONS = ("crank_angle", "crank_speed", "mode", "branch", "coherence", "engine")

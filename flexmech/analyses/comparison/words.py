@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.comparison.parameters import DAMPING, GAIN, STIFFNESS
+from flexmech.analyses.comparison.problem import DAMPING, GAIN, STIFFNESS
 from flexmech.analyses.digits import Quantity
-from flexmech.analyses.remarks import crank_speed_text, warnings_of
 from flexmech.analyses.response.agreement import LARGE_BOW
-from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.summary import Summary, Table, crank_speed_text, warnings_of
 
 # Part of the record's variance from which a model is said to miss what was measured.
 _POOR = 0.5

@@ -7,7 +7,7 @@ import xarray as xr
 
 from flexmech.analyses.digits import Quantity, percent, rounded
 from flexmech.analyses.frequencies.flutter import flutters
-from flexmech.analyses.remarks import speed_text
+from flexmech.analyses.summary import speed_text
 from flexmech.plots.reading import speed_unit
 
 # Headings of the damping of critical, by variable.

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.analyses.frequencies.eigenproblem import solve_modes
-from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.parameters import Parameters
 from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine, LinearSystem, RotationTerms
+from flexmech.mechanics import Engine, LinearSystem, RotationTerms
 from flexmech.mechanism import Mechanism
+from flexmech.solvers.eigenproblem import solve_modes
+from flexmech.solvers.formulation import Formulation, Systems
 from flexmech.threads import one_thread
 from flexmech.validation import checked_array
 

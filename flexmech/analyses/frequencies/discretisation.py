@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues, solve_modes
-from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
-from flexmech.analyses.frequencies.reduction import (
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.choices import MOST_ELEMENTS
+from flexmech.mechanics import Engine
+from flexmech.solvers.eigenproblem import solve_eigenvalues, solve_modes
+from flexmech.solvers.formulation import Systems
+from flexmech.solvers.reduction import (
     ModeErrors,
     converged_modes,
     unreduced_eigenvalues,
 )
-from flexmech.arrays import FloatArray, IntArray
-from flexmech.choices import MOST_ELEMENTS
-from flexmech.linear_system import Engine
 
 # Every 30 deg of a turn: each costs a solution on a finer mesh and one without component modes.
 CHECK_ANGLES = 12

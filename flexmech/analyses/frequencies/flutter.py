@@ -16,12 +16,12 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
-from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.analyses.remarks import speed_text
+from flexmech.analyses.summary import speed_text
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, is_constant_turn
+from flexmech.mechanics import Engine, is_constant_turn
 from flexmech.plots.reading import speed_unit
+from flexmech.solvers.eigenproblem import Modes, solve_modes
+from flexmech.solvers.formulation import Systems
 
 # Of a damping ratio: two undamped frequencies that nearly meet are known to the root of round-off,
 # 1e-8, and a vibration that grows so slowly takes 2e5 periods to grow threefold.
@@ -56,7 +56,7 @@ def flutter(systems: Systems, crank_angles: FloatArray, crank_speed: float) -> x
     Raises
     ------
     ComputationError
-        As :func:`flexmech.analyses.frequencies.eigenproblem.solve_modes`.
+        As :func:`flexmech.solvers.eigenproblem.solve_modes`.
     """
     formulation = systems.formulation
     if crank_speed and not _is_constant(systems.engine, crank_speed):

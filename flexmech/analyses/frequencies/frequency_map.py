@@ -8,13 +8,13 @@ from functools import partial
 
 import numpy as np
 
-from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
-from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.choices import ROTATION_TERMS, Prestress
-from flexmech.linear_system import Engine, RotationTerms, StressedLinks
-from flexmech.time_domain import nonlinear_orbit
+from flexmech.mechanics import Engine, RotationTerms, StressedLinks
+from flexmech.solvers import nonlinear_orbit
+from flexmech.solvers.eigenproblem import solve_frequencies
+from flexmech.solvers.formulation import Formulation, Systems
 
 
 def systems_at(engine: Engine, request: FrequencyRequest, crank_speed: float) -> Systems:

@@ -25,11 +25,11 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.frequencies.eigenproblem import Modes
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, LinearSystem, Prestress
+from flexmech.mechanics import Engine, LinearSystem, Prestress
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
+from flexmech.solvers.eigenproblem import Modes
 
 
 def links_without_loss(mechanism: Mechanism) -> tuple[str, ...]:

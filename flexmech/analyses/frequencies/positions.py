@@ -7,16 +7,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexmech.analyses.frequencies.discretisation import check_angle_indices
 from flexmech.analyses.frequencies.extremes import Extremes, extremes_between
-from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
-from flexmech.analyses.frequencies.reduction import converged_along, converged_modes
 from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
 from flexmech.arrays import FloatArray
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine, RotationTerms
+from flexmech.mechanics import Engine, RotationTerms
 from flexmech.mechanism import Mechanism
+from flexmech.solvers.formulation import Formulation, Systems
+from flexmech.solvers.reduction import converged_along, converged_modes
 from flexmech.threads import one_thread
 from flexmech.validation import check_choice, checked_array
 
@@ -54,8 +54,8 @@ def natural_frequencies(
     Raises
     ------
     InputError, ComputationError
-        See :meth:`flexmech.linear_system.Engine.linear_system` and
-        :func:`flexmech.analyses.solve_modes`.
+        See :meth:`flexmech.mechanics.Engine.linear_system` and
+        :func:`flexmech.solvers.solve_modes`.
 
     Examples
     --------

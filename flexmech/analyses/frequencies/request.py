@@ -7,11 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.requests import check_list, in_radians
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
+from flexmech.solvers.formulation import Formulation
 from flexmech.validation import POSITIVE, check_flag, check_instance, check_number, checked_array
 
 FORMULATION = Formulation()

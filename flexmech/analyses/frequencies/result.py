@@ -14,16 +14,15 @@ from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import with_terms
 from flexmech.analyses.frequencies import answer as answers
 from flexmech.analyses.frequencies import damping, words
-from flexmech.analyses.frequencies.agreement import (
+from flexmech.analyses.frequencies.answer import (
     EngineAgreement,
+    change_lines,
     engine_agreement,
     verdict,
 )
-from flexmech.analyses.frequencies.changes import change_lines
 from flexmech.analyses.frequencies.extremes import known_error
-from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
-from flexmech.analyses.summary import Summary
+from flexmech.analyses.summary import Summary, warnings_of
 from flexmech.errors import InputError
 from flexmech.plots.frequencies import has_few_angles, has_no_curve_over_angle
 

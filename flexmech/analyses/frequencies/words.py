@@ -11,9 +11,8 @@ from flexmech import plots
 from flexmech.analyses.digits import rounded
 from flexmech.analyses.frequencies import damping
 from flexmech.analyses.frequencies.extremes import known_error
-from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.requests import fewer_modes_lines
-from flexmech.analyses.summary import Table
+from flexmech.analyses.summary import Table, speed_text
 from flexmech.plots.reading import speed_unit
 
 # Of a frequency in Hz: more are not known of any model, however fine its mesh is.

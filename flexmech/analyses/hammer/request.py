@@ -22,8 +22,8 @@ from flexmech.choices import (
     Prestress,
 )
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkPoint
 from flexmech.linkages import Topology
+from flexmech.mechanics import LinkPoint
 from flexmech.modal_testing import IdentificationMethod
 from flexmech.validation import (
     NOT_NEGATIVE,

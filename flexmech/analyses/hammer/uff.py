@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.datasets import DEGREES
 from flexmech.arrays import ComplexArray, FloatArray
-from flexmech.linear_system import Engine, LinkPoint
 from flexmech.measured_data import (
     UffDegreeOfFreedom,
     UffFile,
@@ -27,6 +26,7 @@ from flexmech.measured_data import (
     UffMode,
     UffNodes,
 )
+from flexmech.mechanics import Engine, LinkPoint
 
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 # Room for the points of a link: labels of neighbouring links never meet.

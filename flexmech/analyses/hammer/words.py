@@ -11,8 +11,7 @@ import xarray as xr
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity, rounded, with_error
-from flexmech.analyses.remarks import warnings_of
-from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.summary import Summary, Table, warnings_of
 from flexmech.arrays import FloatArray
 
 

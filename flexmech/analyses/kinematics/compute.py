@@ -12,15 +12,19 @@ from flexmech.analyses.aspects.motor import motor_attributes, motor_values, sett
 from flexmech.analyses.aspects.shaking import harmonic_values, shaking_of
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.extremes import is_whole
-from flexmech.analyses.kinematics.positions import of_lumps, values_of
+from flexmech.analyses.kinematics.positions import (
+    SCHEMA,
+    Forces,
+    extreme_values,
+    of_lumps,
+    values_of,
+)
 from flexmech.analyses.kinematics.request import KinematicsRequest
 from flexmech.analyses.kinematics.result import Kinematics
-from flexmech.analyses.kinematics.sought import SCHEMA, Forces, extreme_values
-from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.schema import Values
+from flexmech.analyses.summary import crank_speed_text
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine, checked_mechanism
 from flexmech.linkages import (
     Drive,
     FourBar,
@@ -32,6 +36,7 @@ from flexmech.linkages import (
     assemblable,
     continuous_angles,
 )
+from flexmech.mechanics import Engine, checked_mechanism
 from flexmech.mechanism import Mechanism, with_motor_run
 
 # Of a turn whose harmonics are told: orders alias into them from those beyond 700 alone.

@@ -14,9 +14,8 @@ from flexmech.analyses.aspects.motor import motor_aspect
 from flexmech.analyses.aspects.shaking import harmonics_line, point_text
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import MOST_DIGITS, Quantity, percent, rounded
-from flexmech.analyses.remarks import drive_words
 from flexmech.analyses.result import Result
-from flexmech.analyses.summary import Aspect, Row, Summary, Table
+from flexmech.analyses.summary import Aspect, Row, Summary, Table, drive_words
 from flexmech.arrays import ROUND_OFF
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.digits import Quantity
-from flexmech.analyses.trust import least_explained
+from flexmech.analyses.summary import least_explained
 
 CAUSES = ("step", "reduction", "mesh", "rotation")
 # Names of :meth:`Response.agreement` and :meth:`Response.force_agreement`, and of the errors of

@@ -8,38 +8,37 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import attributes_of, provenance, rigid_positions
-from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.frequencies.positions import frequencies_at
 from flexmech.analyses.response import measurements
-from flexmech.analyses.response.by_motor import motor_of_run
 from flexmech.analyses.response.driven import (
     drive_attributes,
     driven_values,
     law_of_run,
+    motor_of_run,
     residual_values,
     spectra_from,
 )
-from flexmech.analyses.response.measurements import peaks_between
-from flexmech.analyses.response.plan import SPECTRUM_REACH, RunPlan, oscillating, vibrating_engine
-from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.run import EngineRun
-from flexmech.analyses.response.run_errors import RunError
-from flexmech.analyses.response.shaking import rigid_shaking, running_shaking
-from flexmech.analyses.response.spectra import (
+from flexmech.analyses.response.measurements import (
     WHOLE_PERIODS,
     amplitude_spectrum,
+    peaks_between,
     resolution_note,
     spectrogram,
     window_duration,
 )
+from flexmech.analyses.response.plan import SPECTRUM_REACH, RunPlan, oscillating, vibrating_engine
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.run import EngineRun, RunError
+from flexmech.analyses.response.shaking import rigid_shaking, running_shaking
 from flexmech.analyses.response.sprung_frame import carried_by_frame, frame_values
 from flexmech.analyses.response.stresses import peak_stresses
 from flexmech.analyses.schema import Values, schema_of
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system import Engine
 from flexmech.linkages import Drive, RigidMotion
+from flexmech.mechanics import Engine
+from flexmech.mechanics.running import Trajectory
 from flexmech.mechanism import drawing
-from flexmech.time_domain import Trajectory
+from flexmech.solvers.formulation import Formulation
 
 SCHEMA = schema_of(__package__)
 

@@ -21,7 +21,7 @@ from flexmech.errors import ComputationError
 from flexmech.linkages import MotorRun
 from flexmech.linkages.motors.integrated_run import states_along, yielded_along
 from flexmech.linkages.motors.motor import DriveTrain
-from flexmech.time_domain import RotorCoupling, ShaftTorque, Trajectory
+from flexmech.mechanics.running import RotorCoupling, ShaftTorque, Trajectory
 
 logger = logging.getLogger(__name__)
 

@@ -10,15 +10,15 @@ import scipy.linalg
 
 from flexmech.analyses.damping_ratios import with_damping_time
 from flexmech.analyses.frequencies.positions import natural_frequencies
-from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import ANGLES, engines_of
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
+from flexmech.analyses.summary import environment_lines
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import look_ahead
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
-from flexmech.linear_system import Engine, LinkFrames, LinkModel, OverdampedError, RotationTerms
 from flexmech.linkages import MotorRun, refuse_passing
+from flexmech.mechanics import Engine, LinkFrames, LinkModel, OverdampedError, RotationTerms
 from flexmech.validation import check_instance
 
 # Spectra reach this far above the highest natural frequency asked for, so that its peak stands

@@ -118,7 +118,7 @@ class ResponseRequest:
         Time step in s; chosen from ``modes`` and checked by halving where it is left out.
     integrator : {"trapezoidal", "generalized-alpha"}
         Of engines that simulate; the others integrate by
-        :func:`flexmech.time_domain.linear_run`.
+        :func:`flexmech.solvers.linear_run`.
     prestress : {"none", "axial", "equilibrium"}
         Of engines that do not simulate. ``none`` and ``axial`` are linear equations;
         ``equilibrium`` lets links stretch by the square of their slopes, or, where they are

@@ -14,8 +14,6 @@ from flexmech import plots
 from flexmech.analyses.aspects.law import law_aspect
 from flexmech.analyses.aspects.motor import motor_aspect
 from flexmech.analyses.beam_theory import theory_lines
-from flexmech.analyses.remarks import drive_words, warnings_of
-from flexmech.analyses.response import answer as answers
 from flexmech.analyses.response import words
 from flexmech.analyses.response.agreement import (
     agreement_line,
@@ -31,7 +29,7 @@ from flexmech.analyses.response.shaking import shaking_aspect
 from flexmech.analyses.response.shaped_words import amplitudes_over_move_time, shaped_aspect
 from flexmech.analyses.response.sprung_frame import frame_aspect
 from flexmech.analyses.result import Result
-from flexmech.analyses.summary import Aspect, Summary
+from flexmech.analyses.summary import Aspect, Summary, drive_words, warnings_of
 from flexmech.arrays import ROUND_OFF, LabelledProgress, silent
 from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
@@ -281,10 +279,10 @@ class Response(Result):
         title = f"peaks {drive_words(data.attrs)}, {data.attrs['mechanism']}"
         trusted = representative(agreement, data)
         bending = Aspect(
-            answers.answer(data),
+            words.answer(data),
             (*theory_lines(data.attrs), *words.check_lines(data), *words.load_lines(peaks, data)),
-            answers.yielding(data),
-            answers.numbers(data),
+            words.yielding(data),
+            words.numbers(data),
         )
         known = Aspect(
             details=(
@@ -295,13 +293,13 @@ class Response(Result):
                 *data.attrs["environment_lines"].splitlines(),
                 agreement_line(agreement, data).said,
             ),
-            warnings=(*answers.disagreement(data, agreement, forces), *warnings_of(data.attrs)),
+            warnings=(*words.disagreement(data, agreement, forces), *warnings_of(data.attrs)),
         )
         of_run = (shaking_aspect, frame_aspect, law_aspect, residual_aspect, shaped_aspect)
         return Summary.of(
             (bending, *(aspect(data) for aspect in of_run), motor_aspect(data), known),
             words.peak_table(peaks, start, title, trusted, self._peak_errors()),
-            answers.trust(data, agreement, forces),
+            words.trust(data, agreement, forces),
         )
 
     def _peak_errors(self) -> xr.Dataset:

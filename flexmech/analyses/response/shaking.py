@@ -19,11 +19,11 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import Aspect
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import Moved
 from flexmech.linkages.frame_forces import ShakingForce, shaking_force
-from flexmech.time_domain import Trajectory
+from flexmech.mechanics import Engine
+from flexmech.mechanics.running import Trajectory
 
 
 def running_shaking(

@@ -8,7 +8,7 @@ import xarray as xr
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.response.agreement import best_known, quantities_of
 from flexmech.analyses.response.driven import residual_numbers
-from flexmech.analyses.response.move_curves import TIMES_PER_PERIOD
+from flexmech.analyses.response.shaped_run import TIMES_PER_PERIOD
 from flexmech.analyses.summary import Aspect
 from flexmech.model_text import quantity
 from flexmech.units import TIME

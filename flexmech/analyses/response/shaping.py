@@ -8,15 +8,11 @@ from functools import reduce
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.frequencies.eigenproblem import solve_modes
-from flexmech.analyses.frequencies.formulation import Formulation, Systems
-from flexmech.analyses.frequencies.tracking import Tracker
 from flexmech.analyses.response.plan import undamped, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest, Shaping
-from flexmech.analyses.response.residual import rests
+from flexmech.analyses.response.residual_vibration import rests
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine
 from flexmech.linkages import (
     Drive,
     FrequenciesOnPath,
@@ -25,6 +21,10 @@ from flexmech.linkages import (
     ShapedDrive,
     input_shaper,
 )
+from flexmech.mechanics import Engine
+from flexmech.solvers.eigenproblem import solve_modes
+from flexmech.solvers.formulation import Formulation, Systems
+from flexmech.solvers.tracking import Tracker
 
 # A mode that rings by less than this part of what rings most is left as it is: each mode that a law
 # is shaped for makes it longer.

@@ -16,10 +16,10 @@ from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import Aspect
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
-from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion, carried_motion, turned
+from flexmech.mechanics import Engine
+from flexmech.mechanics.running import FrameMotion, Trajectory
 from flexmech.mechanism import SprungFrame
-from flexmech.time_domain import FrameMotion, Trajectory
 
 # In rad. Linear equations of a frame are of first order in its rotation, by which their numbers are
 # off: of frames on soft springs 0.3 to 1.3 times as much. Beyond the greatest they tell nothing.

@@ -1,29 +1,125 @@
-"""Where a run begins: straight, at rest under its loads, or on a periodic motion."""
+"""Where a run begins: straight, at rest under its loads, or on a periodic motion.
+
+Where links that stretch begin: with the tension that linear equations give them.
+
+Linear equations leave out half the square of the slopes, which runs count: at the displacements of
+these a stiff link would have many times its tension, and would ring along itself.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmech.analyses.response.motor_passes import MotorPasses
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.tension_at_start import (
-    linear_forces,
-    without_second_order_stretch,
-)
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.choices import Prestress
 from flexmech.dynamical_systems import VibrationState
-from flexmech.linear_system import COORDINATES, Engine, LinkFrames
 from flexmech.linkages import Drive, Load, MotorRun, RigidMotion
-from flexmech.time_domain import (
-    DrivenLinkage,
-    FrameMotion,
-    LinkState,
-    nonlinear_orbit,
-    periodic_state,
-    static_balance,
-)
+from flexmech.mechanics import COORDINATES, Engine, LinkFrames, RotationTerms
+from flexmech.mechanics.running import DrivenLinkage, FrameMotion, LinkState, static_balance
+from flexmech.solvers import nonlinear_orbit, periodic_state
+
+# Each leaves of the stretch about the part by which the links have turned.
+_PASSES = 4
+
+
+# Internal forces (B, n_link) of nonlinear links at displacements (B, n_link).
+Forces = Callable[[list[FloatArray]], Sequence[FloatArray]]
+
+
+def without_second_order_stretch(
+    frames: LinkFrames,
+    motion: RigidMotion,
+    displacement: Sequence[FloatArray],
+    expected: Sequence[FloatArray],
+    internal_forces: Forces,
+    held: Sequence[int] | IntArray = (),
+) -> list[FloatArray]:
+    """Displacements at which nonlinear links have the tension that linear ones have.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the links, reduced or not.
+    motion : RigidMotion
+        Batch of shape (B,).
+    displacement : sequence of ndarray, shape (B, n_link)
+        Of each link in its frame, by the linear equations.
+    expected : sequence of ndarray, shape (B, n_link)
+        Internal forces by the linear equations: :func:`linear_forces`.
+    internal_forces : callable
+    held : sequence of int
+        Coordinates of the frames that stay: that of a free shaft.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n_link)
+    """
+    straight = [link.stiffness for link in frames.links]
+    stiffness = frames.assemble(motion, straight, RotationTerms.all_or_none(False)).stiffness
+    free = np.setdiff1d(np.arange(stiffness.shape[-1]), held)
+    of_free = stiffness[..., free[:, None], free]
+    taken_back = list(displacement)
+    for _ in range(_PASSES):
+        found = internal_forces(taken_back)
+        stretching = [
+            np.where(link.is_axial, force - linear, 0.0)
+            for link, force, linear in zip(frames.links, found, expected, strict=True)
+        ]
+        gathered = frames.gather(motion, stretching)
+        step = np.zeros((*gathered.shape, 1))
+        step[:, free] = np.linalg.solve(of_free, gathered[:, free, None])
+        moved = frames.link_coordinates(motion, step)
+        taken_back = [q - by[..., 0] for q, by in zip(taken_back, moved, strict=True)]
+    return taken_back
+
+
+def linear_forces(
+    engine: Engine,
+    motion: RigidMotion,
+    displacement: Sequence[FloatArray],
+    prestress: Prestress,
+) -> list[FloatArray]:
+    """Internal force of each link by its tangent in the state that it is linear about.
+
+    Parameters
+    ----------
+    engine : Engine
+    motion : RigidMotion
+        Batch of shape (B,).
+    displacement : sequence of ndarray, shape (B, n_link)
+        Of each link in its frame.
+    prestress : {"none", "axial", "equilibrium"}
+        What the equations are linear about.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n_link)
+
+    Raises
+    ------
+    ComputationError
+        If there is no equilibrium.
+    """
+    state = engine.stressed_links(motion, prestress)
+    forces = [np.zeros_like(q) for q in displacement]
+    beyond = list(displacement)
+    if state.displacement is not None:
+        found = state.internal_force
+        if found is None:
+            found = engine.running_links(motion, state.displacement).internal_force
+        assert found is not None
+        forces = found
+        beyond = [q - at for q, at in zip(displacement, state.displacement, strict=True)]
+    return [
+        force + (tangent @ change[..., None])[..., 0]
+        for force, tangent, change in zip(forces, state.tangent, beyond, strict=True)
+    ]
+
 
 # Time over which a quasi-static start differentiates its displacement, in turns: the difference is
 # of second order, so that its error is 1e-8 and its round-off 1e-11 over the displacement.

@@ -11,13 +11,13 @@ import numpy as np
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.sprung_frame import carried_by_frame
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, LinkModel, kinks_of
 from flexmech.linkages import Drive, RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import applied_forces
 from flexmech.linkages.inverse_dynamics import LinkForces, forces_by_joints
 from flexmech.materials import Material
+from flexmech.mechanics import Engine, LinkModel, kinks_of
+from flexmech.mechanics.running import Trajectory
 from flexmech.sections import BeamSection, LaminateSection
-from flexmech.time_domain import Trajectory
 
 # Of a link, at least: a parabola of stress is highest between two of them by a thousandth less.
 _PLACES = 32

@@ -17,26 +17,24 @@ from flexmech.analyses.damping_ratios import (
     with_damping_ratio,
     with_damping_time,
 )
+from flexmech.analyses.parallel import in_order
 from flexmech.analyses.parameters import DAMPING_PARAMETER, MOISTURE, Parameters
 from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
-from flexmech.analyses.stability.engine_stability import Band
-from flexmech.analyses.stability.parallel import in_order
+from flexmech.analyses.stability.growth import Band
 from flexmech.analyses.stability.request import StabilityRequest
-from flexmech.analyses.stability.selected_modes import step_error
-from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.speed_range import (
     joined_windows,
     narrow_windows,
     window_ends,
     windows_are_cheaper,
 )
-from flexmech.analyses.stability.speed_window import NODES
-from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import ComputationError, InputError, suggestion
-from flexmech.linear_system import Engine
+from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.quantity_lists import parse_quantities
+from flexmech.solvers.floquet_modes import VibratingLinkage, step_error
+from flexmech.solvers.stability import NODES, LinkageSolver
 from flexmech.units import TEMPERATURE_DIFFERENCE, Dimension, parse_number, parse_quantity
 from flexmech.validation import check_number, checked_array
 

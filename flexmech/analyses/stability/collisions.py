@@ -20,12 +20,11 @@ from itertools import pairwise
 import numpy as np
 import scipy.optimize
 
-from flexmech.analyses.stability.engine_stability import TrackedSpeed
-from flexmech.analyses.stability.growth import Sample, SignedGrowth
-from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
-from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.analyses.stability.growth import Sample, SignedGrowth, TrackedSpeed
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
+from flexmech.solvers.floquet_modes import SelectedModes, wrapped
+from flexmech.solvers.stability import LinkageSolver
 
 # After so many orders one after the other that are far from growing, a pair is left: bands shrink
 # as the order grows, but orders that symmetry closes stand between others.

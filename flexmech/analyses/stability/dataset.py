@@ -10,14 +10,14 @@ import xarray as xr
 
 from flexmech.analyses.datasets import Column, engine_coordinates, filled, provenance, records
 from flexmech.analyses.stability.engine_map import LEAST_CLOSING_RATIO
-from flexmech.analyses.stability.engine_stability import (
+from flexmech.analyses.stability.growth import (
     Band,
     EngineStability,
     ExponentErrors,
     NoEquilibrium,
+    Sample,
     TrackedSpeed,
 )
-from flexmech.analyses.stability.growth import Sample
 from flexmech.analyses.stability.request import StabilityRequest
 
 YES, NO, NO_EQUILIBRIUM = "yes", "no", "no equilibrium"

@@ -13,38 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
+from flexmech.analyses.parallel import in_order
 from flexmech.analyses.requests import CHECKED_SPEEDS
 from flexmech.analyses.stability.collisions import MetModes, meetings, met, promising
 from flexmech.analyses.stability.edges import (
+    UNNAMED,
     ClosingSearch,
     EdgeSearch,
     FoundEdge,
     closing_damping_ratio,
+    closing_fits,
     edge_errors,
     exponent_errors,
     find_edge,
     find_top,
-)
-from flexmech.analyses.stability.engine_stability import (
-    Band,
-    BandEdge,
-    EngineStability,
-    ExponentErrors,
-    NoEquilibrium,
-    TrackedSpeed,
-)
-from flexmech.analyses.stability.growth import (
-    Sample,
-    SignedGrowth,
-    dips,
-    runs_of_growth,
-    speeds_between,
-    speeds_inside,
-)
-from flexmech.analyses.stability.mode_tracking import track_modes
-from flexmech.analyses.stability.naming import (
-    UNNAMED,
-    closing_fits,
     following_speeds,
     name_of_growth,
     order_is_nearest,
@@ -52,10 +34,21 @@ from flexmech.analyses.stability.naming import (
     signatures_of,
     without_repetition,
 )
-from flexmech.analyses.stability.parallel import in_order
+from flexmech.analyses.stability.growth import (
+    Band,
+    BandEdge,
+    EngineStability,
+    ExponentErrors,
+    NoEquilibrium,
+    Sample,
+    SignedGrowth,
+    TrackedSpeed,
+    dips,
+    runs_of_growth,
+    speeds_between,
+    speeds_inside,
+)
 from flexmech.analyses.stability.request import StabilityRequest
-from flexmech.analyses.stability.selected_modes import SelectedModes, matched
-from flexmech.analyses.stability.solver import LinkageSolver, SolvedSpeed
 from flexmech.analyses.stability.speed_range import (
     joined_windows,
     narrow_windows,
@@ -64,8 +57,10 @@ from flexmech.analyses.stability.speed_range import (
 )
 from flexmech.arrays import ROUND_OFF, FloatArray, LabelledProgress
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.linear_system import Engine
-from flexmech.time_domain import NonlinearOrbit
+from flexmech.mechanics import Engine
+from flexmech.solvers import NonlinearOrbit
+from flexmech.solvers.floquet_modes import SelectedModes, matched
+from flexmech.solvers.stability import LinkageSolver, SolvedSpeed, track_modes
 from flexmech.units import from_si
 
 logger = logging.getLogger(__name__)

@@ -8,7 +8,6 @@ import numpy as np
 
 from flexmech.analyses.damping_ratios import DAMPING_RATIO
 from flexmech.analyses.requests import check_list
-from flexmech.analyses.stability.vibrating_linkage import MOST_STEPS, SHAPE_ANGLES
 from flexmech.arrays import FloatArray
 from flexmech.choices import (
     KEPT_MODES,
@@ -19,6 +18,7 @@ from flexmech.choices import (
     MovingFrame,
 )
 from flexmech.errors import InputError
+from flexmech.solvers.floquet_modes import MOST_STEPS, SHAPE_ANGLES
 from flexmech.validation import check_choice, check_count, check_number, checked_array
 
 # So that half of them, by which the error of the steps is told, meet all crank angles at which

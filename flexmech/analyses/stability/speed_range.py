@@ -8,11 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from flexmech.analyses.stability.solver import SERIES_TOLERANCE, LinkageSolver
-from flexmech.analyses.stability.speed_window import NODES, SpeedWindow
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
-from flexmech.linear_system.joints.position_errors import RefusedPositionsError
+from flexmech.mechanics.joints.position_errors import RefusedPositionsError
+from flexmech.solvers.stability import NODES, SERIES_TOLERANCE, LinkageSolver, SpeedWindow
 
 # What has no equilibrium has none over twenty degrees of the turn or more.
 TURN = np.radians(np.arange(0.0, 360.0, 15.0))

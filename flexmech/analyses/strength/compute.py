@@ -1,23 +1,31 @@
-"""Strength of a mechanism's links and pins under the loads of its motion."""
+"""Strength of a mechanism's links and pins under the loads of its motion.
+
+The result of strength: its tables, pictures and words.
+
+The dataset of strength: internal forces, what is found at each place and of each pin.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.datasets import origin
+from flexmech import plots
+from flexmech.analyses.datasets import filled, origin, padded
 from flexmech.analyses.digits import percent
-from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import Engines, engines_of
-from flexmech.analyses.strength.dataset import pin_variables, strength_dataset
-from flexmech.analyses.strength.equilibria import Equilibria
-from flexmech.analyses.strength.joint_loads import LoadsOfTurn
-from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
+from flexmech.analyses.result import Result
+from flexmech.analyses.schema import Values, schema_of
+from flexmech.analyses.strength.joint_loads import InternalForces, LoadsAtAngles, LoadsOfTurn
+from flexmech.analyses.strength.judged import JudgedLink, JudgedMechanism
+from flexmech.analyses.strength.load_cases import Equilibria, Runs
 from flexmech.analyses.strength.margins import (
+    NO_LAYER,
     PinFailure,
     failures_of,
     fatigue_margins,
@@ -27,18 +35,175 @@ from flexmech.analyses.strength.margins import (
     pin_margins,
     weakest_checks,
 )
+from flexmech.analyses.strength.pins import JudgedPins, PinCheck
 from flexmech.analyses.strength.request import StrengthRequest
-from flexmech.analyses.strength.result import Strength
-from flexmech.analyses.strength.running import Runs
-from flexmech.analyses.strength.sampled_loads import LoadsAtAngles
-from flexmech.analyses.strength.sought import LoadsOfEngines, angles_between, seek
 from flexmech.analyses.strength.speed_search import search_roots, search_speed
-from flexmech.analyses.strength.weakest import Name
-from flexmech.analyses.strength.words import ASKED, straight_line
-from flexmech.arrays import FloatArray, LabelledProgress, silent
+from flexmech.analyses.strength.weakest import LoadsOfEngines, Name, angles_between, seek
+from flexmech.analyses.strength.words import ASKED, straight_line, summary_of
+from flexmech.analyses.summary import Summary, environment_lines
+from flexmech.arrays import FloatArray, IntArray, LabelledProgress, silent
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine, checked_mechanism
+from flexmech.mechanics import Engine, checked_mechanism
 from flexmech.mechanism import Mechanism, drawing
+from flexmech.sections import SURFACES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+# Of which files have nothing where no load or speed leads to failure.
+_FACTORS = ("", "margin_", "pin_", "fatigue_")
+
+
+class Strength(Result):
+    """Internal forces of links over the turn, and how far layers and pins are from failure.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The variables of ``schema.toml``: internal forces along the links over the crank angle; over
+        (engine, link, station, layer, surface) the least factors over the turn; checks of pins over
+        ``pin_check``; parts over ``margin``, the weakest first. Links with fewer stations or layers
+        have NaN after them.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
+    """
+
+    stem = "strength"
+    subject = "strength"
+    hallmark = "margin_load_factor"
+
+    def tabulated(self) -> xr.Dataset:
+        """The dataset without factors that are infinite, and layers of what has none."""
+        data = self.dataset
+        names = [f"{of}{name}_factor" for of in _FACTORS for name in ("load", "speed")]
+        finite = {n: data[n].where(np.isfinite(data[n])) for n in names if n in data}
+        layer = data["margin_layer"]
+        return data.assign({**finite, "margin_layer": layer.where(layer != NO_LAYER)})
+
+    def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
+        """Draw the linkage, each link coloured by its load factor, the worst places marked.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            The user's.
+        """
+        return plots.plot_strength(self.dataset, ax=ax)
+
+    def summary(self) -> Summary:
+        """Which part fails first, how, and by what factors loads and speed may rise."""
+        return summary_of(self.dataset)
+
+
+_FORCES = ("axial_force", "bending_moment", "shear_force")
+
+
+def strength_dataset(
+    mechanism: Mechanism,
+    engine: str,
+    angles: FloatArray,
+    forces: Mapping[str, InternalForces],
+    judged: Mapping[str, JudgedLink],
+    judged_at: FloatArray,
+) -> xr.Dataset:
+    """What one engine's forces make of the links.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        In its state.
+    engine : str
+        Whose internal forces they are.
+    angles : ndarray, shape (A,)
+        Crank angles in rad.
+    forces : mapping of str to InternalForces
+        Of every link.
+    judged : mapping of str to JudgedLink
+        Of links whose layers are known.
+    judged_at : ndarray, shape (B,)
+        Crank angles at which they were judged, in rad.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    links = list(forces)
+    count = max(len(one.place) for one in forces.values())
+    deep = max((len(one.criterion) for one in judged.values()), default=1)
+    along = padded([np.moveaxis(forces[name].loads, 1, -1) for name in links], count)
+    shape = (len(links), count, deep, len(SURFACES))
+    numbers = {links.index(name): one for name, one in judged.items()}
+
+    def of_links(
+        size: tuple[int, ...], values: Mapping[int, Any], otherwise: float | str = np.nan
+    ) -> Any:
+        return filled(size, (((link,), value) for link, value in values.items()), otherwise)
+
+    stacks = {}
+    for link, name in enumerate(links):
+        if (layers := mechanism.layers_of(name)) is not None:
+            stacks[link] = layers.laminate.layers
+    layered = shape[0], deep
+    values: Values = {
+        "engine": [engine],
+        "link": links,
+        "crank_angle": angles,
+        "station": np.arange(1, count + 1),
+        "layer": np.arange(1, deep + 1),
+        "surface": list(SURFACES),
+        "position": padded([forces[name].place for name in links], count),
+        "criterion": of_links(layered, {n: one.criterion for n, one in numbers.items()}, ""),
+        "ply": of_links(layered, {n: [la.ply.name for la in own] for n, own in stacks.items()}, ""),
+        "angle": of_links(layered, {n: [la.angle for la in own] for n, own in stacks.items()}),
+        "length": [body.length for body in mechanism.linkage.topology.links],
+    }
+    of_engine: Values = {
+        **{name: along[:, :, number] for number, name in enumerate(_FORCES)},
+        "failure_index": of_links(shape, {n: one.index for n, one in numbers.items()}),
+        "load_factor": of_links(shape, {n: one.load_factor for n, one in numbers.items()}),
+        "speed_factor": of_links(shape, {n: one.speed_factor for n, one in numbers.items()}),
+        "worst_angle": of_links(shape, {n: judged_at[one.worst] for n, one in numbers.items()}),
+        "failure_mode": of_links(shape, {n: one.mode for n, one in numbers.items()}, ""),
+    }
+    return schema_of(__package__).dataset(values, parts=[of_engine], along="engine")
+
+
+def pin_variables(
+    checks: Sequence[PinCheck], judged: JudgedPins, angles: FloatArray, asked: IntArray
+) -> dict[str, Any]:
+    """Variables of what one engine's forces make of the pins; none without checks.
+
+    Parameters
+    ----------
+    checks : sequence of PinCheck
+    judged : JudgedPins
+    angles : ndarray, shape (A,)
+        Crank angles in rad.
+    asked : ndarray of int, shape (B,)
+        Numbers of those that were asked for, evenly apart as they may be: means are over them.
+
+    Returns
+    -------
+    dict
+        Over ``pin_check``, and over (engine, pin_check).
+    """
+    if not checks:
+        return {}
+    words = {name: [getattr(one, name) for one in checks] for name in ("joint", "link", "mode")}
+    numbers = {
+        "stress": judged.stress,
+        "mean": judged.stresses[:, asked].mean(axis=1),
+        "load_factor": judged.load_factor,
+        "speed_factor": judged.speed_factor,
+        "worst_angle": angles[judged.worst],
+    }
+    return {
+        **{f"pin_{name}": ("pin_check", np.array(texts)) for name, texts in words.items()},
+        "pin_allowable": ("pin_check", [one.allowable for one in checks]),
+        **{f"pin_{n}": (("engine", "pin_check"), value[None]) for n, value in numbers.items()},
+    }
+
 
 # Crank angles of equilibria at other speeds: a turn in steps of five degrees, for speed alone.
 MOST_SEARCHED = 73

@@ -1,18 +1,143 @@
-"""What loads links and joints over the turn, and how fast links turn against each other."""
+"""What loads links and joints over the turn, and how fast links turn against each other.
+
+Tension, shear force and bending moment at places along every link over the turn.
+
+Loads of rigid links, equilibria and runs, at crank angles to which further ones can be added.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
-from flexmech.analyses.strength.forces import BESIDE, InternalForces
-from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system import DisplacedLinks
+from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
 from flexmech.linkages import InverseDynamics, LinkEnd, Topology
 from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.linkages.motion import direction, normal
+from flexmech.mechanics import DisplacedLinks, kinks_of
+from flexmech.mechanism import Mechanism
+
+# Off the ends of a link and off masses, loads and springs, where internal forces jump.
+BESIDE = 2 * SAME_PLACE
+
+
+@dataclass(frozen=True)
+class InternalForces:
+    """Internal forces of a link.
+
+    Parameters
+    ----------
+    place : ndarray, shape (k,)
+        From the link's start in m; twice where they jump.
+    loads : ndarray, shape (A, k, 3)
+        Axial force along the pins' axis in N, bending moment in N m that stretches the side of
+        lower y, shear force in N along y on the face towards higher x.
+    """
+
+    place: FloatArray
+    loads: FloatArray
+
+
+@dataclass(frozen=True)
+class Cuts:
+    """Where a link is cut to see its internal forces.
+
+    Parameters
+    ----------
+    place : ndarray, shape (k,)
+        From the link's start in m, ascending; twice where internal forces jump.
+    cut : ndarray, shape (k,)
+        The same, off the ends and on one or the other side of jumps.
+    """
+
+    place: FloatArray
+    cut: FloatArray
+
+    @property
+    def kinks(self) -> list[float]:
+        """Where internal forces jump, from the link's start in m."""
+        return sorted(set(self.place[:-1][np.diff(self.place) == 0].tolist()))
+
+
+def cuts_of(mechanism: Mechanism, link: str, elements: int, further: Sequence[float] = ()) -> Cuts:
+    """Where internal forces of a link are looked at.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    link : str
+    elements : int
+        Parts of equal length.
+    further : sequence of float
+        Places from the link's start in m.
+
+    Returns
+    -------
+    Cuts
+        At the ends of the parts, at further places, and at both sides of all that acts on the link
+        between its ends.
+    """
+    length = mechanism.link_mass(link).length
+    beside = BESIDE * length
+    jumps = np.unique([x for x in kinks_of(mechanism, link) if beside < x < length - beside])
+    even = np.linspace(0.0, length, elements + 1)
+    # Searches meet at a place but for round-off.
+    more = np.unique(np.asarray(further, dtype=float))
+    more = more[np.diff(more, prepend=-np.inf) > SAME_PLACE * length]
+    new = np.abs(even[:, None] - more).min(axis=0) > SAME_PLACE * length
+    even = np.union1d(even, more[new])
+    # A part's end at a jump is there already, on both of its sides.
+    apart = np.abs(even[:, None] - jumps).min(axis=1, initial=np.inf) > SAME_PLACE * length
+    place = np.concatenate([even[apart], jumps, jumps])
+    cut = np.concatenate([even[apart], jumps - beside, jumps + beside])
+    order = np.argsort(cut)
+    return Cuts(place[order], np.clip(cut[order], beside, length - beside))
+
+
+def internal_forces(forces: LinkForces | DisplacedLinks, link: int, cuts: Cuts) -> InternalForces:
+    """Internal forces of a link.
+
+    Parameters
+    ----------
+    forces : LinkForces or DisplacedLinks
+        At A crank angles.
+    link : int
+    cuts : Cuts
+
+    Returns
+    -------
+    InternalForces
+    """
+    if isinstance(forces, DisplacedLinks):
+        return InternalForces(cuts.place, forces.section_forces(link, cuts.cut))
+    found = (forces.axial_force, forces.bending_moment, forces.shear_force)
+    return InternalForces(cuts.place, np.stack([of(link, cuts.cut) for of in found], axis=-1))
+
+
+def forces_over_the_turn(
+    mechanism: Mechanism, crank_angles: FloatArray, speed: float
+) -> InverseDynamics:
+    """Forces of the rigid linkage in its steady motion, with all that acts on it.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    crank_angles : ndarray, shape (A,)
+        In rad.
+    speed : float
+        In rad/s.
+
+    Returns
+    -------
+    InverseDynamics
+    """
+    motion = mechanism.linkage.motion(crank_angles, speed, 0.0)
+    time = crank_angles / speed if speed else np.zeros_like(crank_angles)
+    return mechanism.inverse_dynamics(motion, time)
 
 
 @dataclass(frozen=True)
@@ -175,3 +300,152 @@ class LoadsOfTurn:
         gaps = [part.moment_gap for part in parts if part.moment_gap is not None]
         gap = np.max(gaps, axis=0) if gaps else None
         return cls(links, JointLoads(first.joints.topology, force, angle, rate, blocks), gap)
+
+
+Found = DisplacedLinks | InverseDynamics
+"""What internal and joint forces follow from, at a batch of crank angles."""
+
+
+class SampledLoads(Protocol):
+    """Loads at crank angles.
+
+    Attributes
+    ----------
+    crank_angles : ndarray, shape (A,)
+        In rad, increasing.
+    """
+
+    crank_angles: FloatArray
+
+    def add(self, crank_angles: FloatArray) -> None:
+        """Know the loads at further crank angles too.
+
+        Parameters
+        ----------
+        crank_angles : ndarray, shape (m,)
+            In rad.
+        """
+
+    def loads(self, cuts: Mapping[str, Cuts]) -> LoadsOfTurn:
+        """Loads at all crank angles.
+
+        Parameters
+        ----------
+        cuts : mapping of str to Cuts
+            Of every link.
+
+        Returns
+        -------
+        LoadsOfTurn
+        """
+
+
+@dataclass
+class LoadsAtAngles:
+    """Loads of links that are at rest in their frames at every crank angle.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    compute : callable
+        From crank angles (m,) in rad to the links there, batch by batch.
+    crank_angles : ndarray, shape (A,)
+        In rad, increasing; begins without any.
+    """
+
+    mechanism: Mechanism
+    compute: Callable[[FloatArray], Sequence[Found]]
+    crank_angles: FloatArray = field(default_factory=lambda: np.empty(0))
+    _found: list[Found] = field(default_factory=list, repr=False)
+    _order: FloatArray = field(default_factory=lambda: np.empty(0), repr=False)
+
+    @classmethod
+    def of_rigid_links(cls, mechanism: Mechanism, speed: float) -> LoadsAtAngles:
+        """Loads of links that are taken as rigid, at a crank speed in rad/s."""
+        return cls(mechanism, lambda angles: [forces_over_the_turn(mechanism, angles, speed)])
+
+    def add(self, crank_angles: FloatArray) -> None:
+        """Know the loads at further crank angles too.
+
+        Parameters
+        ----------
+        crank_angles : ndarray, shape (m,)
+            In rad.
+        """
+        new = np.setdiff1d(crank_angles, self.crank_angles)
+        if new.size:
+            self._found += self.compute(new)
+            self._order = np.concatenate([self._order, new])
+            self.crank_angles = np.sort(self._order)
+
+    def loads(self, cuts: Mapping[str, Cuts]) -> LoadsOfTurn:
+        """Loads at all crank angles.
+
+        Parameters
+        ----------
+        cuts : mapping of str to Cuts
+            Of every link.
+
+        Returns
+        -------
+        LoadsOfTurn
+        """
+        topology = self.mechanism.linkage.topology
+        parts = []
+        for found in self._found:
+            inside = {
+                name: internal_forces(found, number, cuts[name])
+                for number, name in enumerate(topology.link_names)
+            }
+            parts.append(LoadsOfTurn(inside, JointLoads.of_links(found, topology)))
+        return LoadsOfTurn.joined(parts).at(np.argsort(self._order))
+
+
+@dataclass
+class LoadsOfRun:
+    """Loads of a run at its samples, and between them by cubic splines.
+
+    Parameters
+    ----------
+    angles_of_samples : ndarray, shape (A,)
+        In rad, increasing.
+    at_samples : callable
+        From the cuts of every link to the loads at the samples.
+    """
+
+    angles_of_samples: FloatArray
+    at_samples: Callable[[Mapping[str, Cuts]], LoadsOfTurn]
+    crank_angles: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.crank_angles = self.angles_of_samples
+
+    def add(self, crank_angles: FloatArray) -> None:
+        """Know the loads at further crank angles too.
+
+        Parameters
+        ----------
+        crank_angles : ndarray, shape (m,)
+            In rad.
+        """
+        self.crank_angles = np.union1d(self.crank_angles, crank_angles)
+
+    def loads(self, cuts: Mapping[str, Cuts]) -> LoadsOfTurn:
+        """Loads at all crank angles.
+
+        Parameters
+        ----------
+        cuts : mapping of str to Cuts
+            Of every link.
+
+        Returns
+        -------
+        LoadsOfTurn
+        """
+        found, samples = self.at_samples(cuts), self.angles_of_samples
+        between = np.setdiff1d(self.crank_angles, samples)
+        if not between.size:
+            return found
+        more = found.mapped(lambda values: CubicSpline(samples, values)(between))
+        order = np.argsort(np.concatenate([samples, between]))
+        return LoadsOfTurn.joined([found, more]).at(order)

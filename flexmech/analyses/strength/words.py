@@ -9,11 +9,10 @@ import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity, percent, plain, rounded
-from flexmech.analyses.remarks import CHOSEN_DAMPING, crank_speed_text
-from flexmech.analyses.strength.enduring_links import endurance_lines, fewest_turns, life_text
+from flexmech.analyses.strength.endurance import endurance_lines, fewest_turns, life_text
 from flexmech.analyses.strength.margins import NO_LAYER, margin_names, part_name, pin_margins
-from flexmech.analyses.strength.pin_checks import TEARING
-from flexmech.analyses.summary import Row, Summary, Table
+from flexmech.analyses.strength.pins import TEARING
+from flexmech.analyses.summary import CHOSEN_DAMPING, Row, Summary, Table, crank_speed_text
 from flexmech.units import from_si
 
 _MM = 1e3

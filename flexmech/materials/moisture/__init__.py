@@ -1,13 +1,17 @@
 """Diffusion of water: diffusivity, series solutions, and a numerical solution for layers."""
 
-from flexmech.materials.moisture.cells import DiffusionLayer
 from flexmech.materials.moisture.diffusivity import (
     Diffusivity,
     MoistureEquilibrium,
     composite_diffusivity_ratio,
 )
 from flexmech.materials.moisture.history import Ambient
-from flexmech.materials.moisture.numerical import MoistureHistory, diffuse, diffuse_bar
+from flexmech.materials.moisture.numerical import (
+    DiffusionLayer,
+    MoistureHistory,
+    diffuse,
+    diffuse_bar,
+)
 from flexmech.materials.moisture.slab import (
     Faces,
     shen_springer_uptake,

@@ -17,7 +17,7 @@ leave Exudyn without accelerations at the start. Circuit and coupling are linear
 and rotor stand in the mass matrix, resistance, back-EMF and damping in the damping matrix. Torque
 curves and speed control are a user function. On a frame on springs all turn against that, which
 bears the reaction, and a rotor behind a gear has the inertia of
-:class:`flexmech.time_domain.ShaftTorque`.
+:class:`flexmech.mechanics.running.ShaftTorque`.
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkModel
 from flexmech.linkages import DcMotor, Drive, DriveTrain, Linkage, MotorRun, RigidMotion
 from flexmech.linkages.motion import direction, normal, quarter_turn
+from flexmech.mechanics import LinkModel
+from flexmech.mechanics.running import Impact, StepBlock, rigid_torque, with_rotor
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
@@ -43,7 +44,6 @@ from flexmech.multibody.running.user_functions import (
     Shaft,
     section_couples,
 )
-from flexmech.time_domain import Impact, StepBlock, rigid_torque, with_rotor
 
 # Times of a run at which the crank's range is taken: between them it gains less than 1e-6 of it.
 TIMES = 2001

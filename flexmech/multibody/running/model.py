@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import LinkModel
 from flexmech.linkages import Clamp, Drive
 from flexmech.linkages.motion import normal, turned
+from flexmech.mechanics import LinkModel
+from flexmech.mechanics.running import FrameMotion, Impact
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.assembly import FrameBody, LinkAssembly
 from flexmech.multibody.connectors import RunningConnectors
 from flexmech.multibody.items import ItemNumber, Made, load_exudyn
 from flexmech.multibody.joints import (
@@ -31,7 +32,6 @@ from flexmech.multibody.joints import (
     joint_gaps,
     place_on_hub,
 )
-from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.loads import (
     LinkEnergies,
     MotorOnHub,
@@ -41,7 +41,6 @@ from flexmech.multibody.running.loads import (
     add_running_loads,
 )
 from flexmech.multibody.running.user_functions import AngleGap, Shaft, load_history
-from flexmech.time_domain import FrameMotion, Impact
 
 # Of the shaft, in ground axes in m.
 _AXIS = (0.0, 0.0)

@@ -14,20 +14,14 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
 from flexmech.linkages import MotorRun, RigidMotion, Topology, carried_motion
+from flexmech.mechanics import LinkModel, LinkPoint, displacement_row
+from flexmech.mechanics.running import FrameMotion, LinkState, Recorder, ShaftMotion, StepBlock
+from flexmech.multibody.assembly import FrameBody
 from flexmech.multibody.items import Setting, applied, load_exudyn, solver_settings
-from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.loads import MotorOnHub, SectionCouples
 from flexmech.multibody.running.model import RunningModel
-from flexmech.time_domain import (
-    FrameMotion,
-    LinkState,
-    Recorder,
-    ShaftMotion,
-    StepBlock,
-    UnbalancedStepError,
-)
+from flexmech.solvers import UnbalancedStepError
 
 # How far a start may tear a joint apart, relative to the length of all links: above what a reduced
 # start leaves, 1e-9, and below the deflections of any run.

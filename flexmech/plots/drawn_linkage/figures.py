@@ -18,9 +18,8 @@ from flexmech.arrays import FloatArray
 from flexmech.plots import angle_panels, style
 from flexmech.plots.angle_panels import has_many_speeds
 from flexmech.plots.drawn_linkage import symbols
-from flexmech.plots.drawn_linkage.parts import SAME_PLACE, parts_of
 from flexmech.plots.drawn_linkage.sketch import MASS, RIGID, SMALL, LinkageSketch, clearance
-from flexmech.plots.drawn_linkage.springs import dashpot, rotary_dashpot
+from flexmech.plots.drawn_linkage.symbols import SAME_PLACE, dashpot, parts_of, rotary_dashpot
 from flexmech.plots.layout import AxesLike, Layout, grid, height_of, sheet, tiles
 from flexmech.plots.reading import (
     engine_label,

@@ -14,9 +14,18 @@ from matplotlib.transforms import Bbox
 
 from flexmech.arrays import FloatArray
 from flexmech.plots.drawn_linkage import symbols
-from flexmech.plots.drawn_linkage.parts import SAME_PLACE, Part, Posture, parts_of
-from flexmech.plots.drawn_linkage.springs import joint_spring_symbols, spring_symbols, wall_symbols
-from flexmech.plots.drawn_linkage.symbols import OUTLINE, Symbol, add_symbols
+from flexmech.plots.drawn_linkage.symbols import (
+    OUTLINE,
+    SAME_PLACE,
+    Part,
+    Posture,
+    Symbol,
+    add_symbols,
+    joint_spring_symbols,
+    parts_of,
+    spring_symbols,
+    wall_symbols,
+)
 from flexmech.plots.layout import round_length
 from flexmech.plots.reading import values_of
 from flexmech.plots.style import Look

@@ -1,18 +1,29 @@
-"""Symbols of what belongs to a linkage: each is a line or a polygon of places in m."""
+"""Symbols of what belongs to a linkage: each is a line or a polygon of places in m.
+
+Joints, masses, bodies, springs and loads of a linkage, placed in one of its postures.
+
+Springs and dampers of a linkage in one posture: their symbols, between points and in joints.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.transforms import Transform
+from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
+from flexmech.plots.drawn_linkage import symbols
 from flexmech.plots.style import Look
 
 OUTLINE = "0.35"
@@ -377,3 +388,327 @@ def _arrow(shaft: FloatArray, head: FloatArray, *, varies: bool) -> list[Symbol]
         Symbol(name, shaft, {"color": "black", "lw": 1.2, "zorder": 4.5} | dashes),
         Symbol(name, head, filled, filled=True),
     ]
+
+
+# Places closer than this part of the linkage's extent are the same place: far above round-off, far
+# below what a picture shows.
+SAME_PLACE = 1e-6
+
+Part = dict[str, Any]
+"""One part as the attribute ``drawing`` of a dataset tells it."""
+
+
+def extent_of(links: FloatArray) -> float:
+    """Diagonal of the box around the ends of links; shape (..., link, station, 2)."""
+    ends = links[..., [0, -1], :].reshape(*links.shape[:-3], -1, 2)
+    return float(np.hypot(*np.ptp(ends, axis=-2).T).max())
+
+
+@dataclass(frozen=True)
+class LinkageParts:
+    """What belongs to a linkage besides its links.
+
+    Parameters
+    ----------
+    rigid : ndarray of bool, shape (link,)
+        Which links do not bend.
+    joints, masses, bodies, springs, joint_springs, loads : list of dict
+        As ``flexmech.mechanism.drawn_parts`` gives them.
+    hub : float
+        Distance of the driven link's end from the axis of the shaft, in m.
+    shaft : ndarray of shape (2,), optional
+        Axis of the driven shaft in m; by its clamp if left out.
+    gravity : tuple of float
+        Along x and y in m/s^2.
+    """
+
+    rigid: NDArray[np.bool_]
+    joints: list[Part] = field(default_factory=list)
+    masses: list[Part] = field(default_factory=list)
+    bodies: list[Part] = field(default_factory=list)
+    springs: list[Part] = field(default_factory=list)
+    joint_springs: list[Part] = field(default_factory=list)
+    loads: list[Part] = field(default_factory=list)
+    hub: float = 0.0
+    shaft: FloatArray | None = None
+    gravity: tuple[float, float] = (0.0, 0.0)
+
+    def of_kind(self, *kinds: str) -> list[Part]:
+        """Joints of some kinds."""
+        return [joint for joint in self.joints if joint["kind"] in kinds]
+
+    def springs_with(self, what: str) -> list[Part]:
+        """Springs between points and in joints of which a word holds.
+
+        Parameters
+        ----------
+        what : str
+            ``"stiff"`` or ``"damped"`` of springs between points, ``"torsional"``, ``"radial"``,
+            ``"torsion_damped"`` or ``"radially_damped"`` of those in joints. Files of earlier
+            versions tell nothing of dampers, and every spring between points in them is stiff.
+
+        Returns
+        -------
+        list of dict
+        """
+        known = [{"stiff": True} | spring for spring in self.springs]
+        return [one for one in (*known, *self.joint_springs) if one.get(what)]
+
+
+def parts_of(dataset: xr.Dataset, positions: FloatArray, held: NDArray[np.bool_]) -> LinkageParts:
+    """Parts by the attribute ``drawing`` of a dataset, else by where ends of links are together.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Files of earlier versions have no such attribute.
+    positions : ndarray, shape (configuration, link, station, 2)
+        Of the rigid linkage in m.
+    held : ndarray of bool, shape (link, 2)
+        Whether the start and the end of each link stay in place.
+
+    Returns
+    -------
+    LinkageParts
+    """
+    if "drawing" not in dataset.attrs:
+        return _by_places(positions, held)
+    return _told(json.loads(dataset.attrs["drawing"]))
+
+
+def drawn_posture(dataset: xr.Dataset) -> tuple[FloatArray, LinkageParts, float] | None:
+    """Links, parts and crank angle of the posture that the attribute ``drawing`` holds.
+
+    Parameters
+    ----------
+    dataset : Dataset
+
+    Returns
+    -------
+    ndarray, shape (link, 2, 2), LinkageParts, float
+        In m and rad; None where the attribute holds no posture.
+    """
+    told = json.loads(dataset.attrs.get("drawing", "{}"))
+    if "posture" not in told:
+        return None
+    posture = told["posture"]
+    return np.array(posture["ends"]), _told(told), float(posture["crank_angle"])
+
+
+def _told(told: Part) -> LinkageParts:
+    rigid = np.array([link["rigid"] for link in told["links"]], dtype=bool)
+    others = {name: part for name, part in told.items() if name not in ("links", "posture")}
+    if "gravity" in others:
+        others["gravity"] = tuple(others["gravity"])
+    return LinkageParts(rigid, **others)
+
+
+def _by_places(positions: FloatArray, held: NDArray[np.bool_]) -> LinkageParts:
+    """Ends that stay are held by the ground, ends that are together in each posture are pinned."""
+    near = SAME_PLACE * extent_of(positions)
+    ends = [(link, station) for link in range(positions.shape[1]) for station in (0, -1)]
+    joints: list[Part] = []
+    for end in ends:
+        place = positions[:, *end]
+        together = [other for other in ends if np.abs(positions[:, *other] - place).max() <= near]
+        at = [end[0], float(end[1] == -1)]
+        if end == together[0] and held[end]:
+            # The first link is the driven one.
+            joints.append({"name": "", "kind": "pivot" if any(end) else "clamp", "at": at})
+        elif end == together[0] and len(together) > 1:
+            joints.append({"name": "", "kind": "pin", "at": at})
+    starts = positions[:, 0, 0]
+    stays = len(starts) > 1 and np.ptp(starts, axis=0).max() <= near
+    shaft = starts[0] if stays else np.zeros(2)
+    return LinkageParts(np.zeros(positions.shape[1], dtype=bool), joints, shaft=shaft)
+
+
+@dataclass(frozen=True)
+class Posture:
+    """Links in one posture, straight or bent, and what belongs to them.
+
+    Parameters
+    ----------
+    links : ndarray, shape (link, station, 2)
+        Evenly spaced stations along each link, in m.
+    parts : LinkageParts
+    """
+
+    links: FloatArray
+    parts: LinkageParts
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the box around the ends of the links, in m."""
+        return extent_of(self.links)
+
+    def place(self, at: list[float]) -> FloatArray:
+        """Where a point is: number of a link, and how far along it from 0 to 1."""
+        link = self.links[int(at[0])]
+        along = np.linspace(0.0, 1.0, len(link))
+        return np.array([np.interp(at[1], along, component) for component in link.T])
+
+    def turned(self, link: int) -> FloatArray:
+        """Axes of the frame of a link as columns, x from its start to its end."""
+        along = self.links[link, -1] - self.links[link, 0]
+        x, y = along / np.hypot(*along)
+        return np.array([[x, -y], [y, x]])
+
+    def line(self, slider: Part) -> float:
+        """Angle of the line of a slider to the ground's x axis in rad."""
+        guide = slider["guide"]
+        frame = np.eye(2) if guide is None else self.turned(int(guide))
+        return float(slider["direction"] + np.arctan2(frame[1, 0], frame[0, 0]))
+
+    def spring_end(self, end: Part) -> FloatArray:
+        """Where an end of a spring is."""
+        return np.array(end["ground"], dtype=float) if "ground" in end else self.place(end["at"])
+
+    def centre(self, body: Part) -> FloatArray:
+        """Where the centre of mass of an attached body is."""
+        frame = self.turned(int(body["at"][0]))
+        return np.asarray(self.place(body["at"]) + frame @ np.array(body["offset"]))
+
+    def force(self, load: Part) -> FloatArray:
+        """Force of a load in ground axes."""
+        frame = self.turned(int(load["at"][0])) if load["axes"] == "link" else np.eye(2)
+        return np.asarray(frame @ np.array(load["force"]))
+
+
+LOOK: Look = {"color": "0.25", "lw": 0.9}
+# Half the length of a cup over its half width, as in textbooks, and the most of the whole length
+# that it takes, so that rod and stem are left.
+SLENDER, MOST = 1.5, 0.25
+# Where a damper beside a spring joins its line, on the straight ends of that, and how far it is
+# from it in half widths: some of one is between them.
+JOINED, BESIDE = 0.12, 2.4
+# Angles in rad between which a damper lies around a joint, above it, and half its depth over its
+# radius.
+FIRST, LAST, DEEP = np.radians(25.0), np.radians(155.0), 0.22
+
+BEARING: Look = {"ms": 7.0, "marker": "o", "mfc": "none", "mec": OUTLINE, "mew": 0.6, "zorder": 3.9}
+# Of the ring around a bearing with a damper over that without: both are told.
+DAMPED = 1.4
+# Over the linkage's extent: half the width of a spring between points and of the wall that holds
+# it, which is wider; radius of a spring and of a damper in a joint, which is around it.
+SPRING, WALL, SPIRAL, BENT = 0.018, 0.03, 0.04, 0.065
+
+
+def dashpot(first: FloatArray, second: FloatArray, half: float, *, beside: bool) -> Symbol:
+    """A damper between two places, its cup as wide as twice a half width.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (2,)
+        In m.
+    half : float
+        In m.
+    beside : bool
+        Whether a spring has the straight line from place to place: the damper is below it, since
+        arrows of loads are above.
+
+    Returns
+    -------
+    Symbol
+    """
+    along = second - first
+    length = float(np.hypot(*along))
+    normal = below(along / length) if length else np.zeros(2)
+    from_, to = (JOINED, 1 - JOINED) if beside else (0.0, 1.0)
+    cup = min(SLENDER * half / length if length else 0.0, MOST)
+    parts, aside = _outline(from_, to, cup)
+    if beside:
+        rungs = (np.array([from_, from_, np.nan]), np.array([to, to, np.nan]))
+        parts = np.r_[rungs[0], rungs[1], parts]
+        aside = np.r_[-BESIDE, 0.0, np.nan, -BESIDE, 0.0, np.nan, aside] + BESIDE
+    places = first + np.outer(parts, along) + half * np.outer(aside, normal)
+    return Symbol("damper", places, LOOK | {"zorder": 1.5})
+
+
+def rotary_dashpot(place: FloatArray, radius: float) -> Symbol:
+    """A damper that is bent around a joint, above it.
+
+    Parameters
+    ----------
+    place : ndarray, shape (2,)
+        In m.
+    radius : float
+        In m.
+
+    Returns
+    -------
+    Symbol
+    """
+    parts, aside = _outline(0.0, 1.0, 0.2)
+    # Along a circle; the piece of an arc between two corners is drawn by points between them.
+    steps = np.linspace(0.0, 1.0, 9)[:-1]
+    parts, aside = (
+        np.r_[(values[:-1, None] + steps * np.diff(values)[:, None]).ravel(), values[-1]]
+        for values in (parts, aside)
+    )
+    turn, out = FIRST + (LAST - FIRST) * parts, radius * (1 + DEEP * aside)
+    places = place + out[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    return Symbol("torsional damper", places, LOOK | {"lw": 0.7, "zorder": 3.8})
+
+
+def _outline(from_: float, to: float, cup: float) -> tuple[FloatArray, FloatArray]:
+    """Rod, piston, cup and stem: places along a line, and across it in half widths of the cup."""
+    middle, gap = (from_ + to) / 2, np.nan
+    rod = [(from_, 0.0), (middle, 0.0), (gap, gap)]
+    piston = [(middle, -0.7), (middle, 0.7), (gap, gap)]
+    bottom = middle + cup
+    walls = [(middle - cup, -1.0), (bottom, -1.0), (bottom, 1.0), (middle - cup, 1.0), (gap, gap)]
+    stem = [(bottom, 0.0), (to, 0.0)]
+    corners = np.array([*rod, *piston, *walls, *stem])
+    return corners[:, 0], corners[:, 1]
+
+
+def spring_symbols(posture: Posture) -> list[Symbol]:
+    """Springs and dampers between points; a damper is beside its spring."""
+    found, half = [], SPRING * posture.size
+    for spring in posture.parts.springs:
+        first, second = map(posture.spring_end, spring["ends"])
+        if stiff := spring.get("stiff", True):
+            found.append(symbols.zigzag(first, second, half))
+        if spring.get("damped"):
+            found.append(dashpot(first, second, half, beside=stiff))
+    return found
+
+
+def wall_symbols(posture: Posture) -> list[Symbol]:
+    """What holds springs and dampers on the ground."""
+    found, half = [], WALL * posture.size
+    for spring in posture.parts.springs:
+        places = [posture.spring_end(end) for end in spring["ends"]]
+        for end, place, other in zip(spring["ends"], places, places[::-1], strict=True):
+            if "ground" in end and (length := np.hypot(*(place - other))):
+                found += symbols.wall(place, (place - other) / length, half, 0.6 * half)
+    return found
+
+
+def joint_spring_symbols(posture: Posture, mark_size: float) -> list[Symbol]:
+    """Springs and dampers in joints.
+
+    Parameters
+    ----------
+    posture : Posture
+    mark_size : float
+        Of the rings of bearings over the usual one.
+
+    Returns
+    -------
+    list of Symbol
+    """
+    at = {joint["name"]: joint["at"] for joint in posture.parts.joints}
+    found = []
+    for one in posture.parts.joint_springs:
+        place, ring = posture.place(at[one["joint"]]), mark_size * BEARING["ms"]
+        if one["torsional"]:
+            found.append(symbols.spiral(place, SPIRAL * posture.size))
+        if one["radial"]:
+            found += symbols.marks("bearing", [place], BEARING | {"ms": ring})
+        if one.get("torsion_damped"):
+            found.append(rotary_dashpot(place, BENT * posture.size))
+        if one.get("radially_damped"):
+            found += symbols.marks("damped bearing", [place], BEARING | {"ms": DAMPED * ring})
+    return found

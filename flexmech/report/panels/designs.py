@@ -9,14 +9,23 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import Table
-from flexmech.plots.designs.optima import pareto_picture, search_picture
-from flexmech.plots.designs.outputs import design_pane, key_of
-from flexmech.plots.designs.reading import goals_of, label, outputs_of, short_name, varying
-from flexmech.plots.designs.uncertainty import distribution_pane, frequency_bands_picture
+from flexmech.plots.designs import (
+    design_pane,
+    distribution_pane,
+    frequency_bands_picture,
+    goals_of,
+    key_of,
+    label,
+    outputs_of,
+    pareto_picture,
+    search_picture,
+    short_name,
+    varying,
+)
 from flexmech.plots.picture import Curve, Pane, Picture
 from flexmech.plots.style import series_line
 from flexmech.report import panel
-from flexmech.report.plotted import Plot, plotted
+from flexmech.report.panel import Plot, plotted
 from flexmech.report.results import Results
 from flexmech.studies import DesignSweep, Optimum, Uncertainty
 from flexmech.units import from_si

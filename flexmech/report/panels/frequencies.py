@@ -20,7 +20,7 @@ from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import degrees, names_of, speed_label
 from flexmech.plots.stability import stability_picture
 from flexmech.report import panel
-from flexmech.report.plotted import Plot, plotted
+from flexmech.report.panel import Plot, plotted
 from flexmech.report.results import (
     Results,
     speed_name,

@@ -10,7 +10,7 @@ from flexmech.plots.picture import Curve, Pane, Picture
 from flexmech.plots.reading import amplitudes_of, complex_values, signed
 from flexmech.plots.style import series_line
 from flexmech.report import panel
-from flexmech.report.plotted import plotted
+from flexmech.report.panel import plotted
 from flexmech.report.results import Results, speed_name, speed_unit_of
 
 # Of the curves of both figures those that are shown: variable, and dashes or colour and more.

@@ -9,16 +9,22 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import Balance, CouplerPaths, Kinematics, ModelCheck, Table
-from flexmech.plots.kinematics import drive_picture, joint_forces_picture, link_motion_picture
+from flexmech.plots.kinematics import (
+    MOST_POINTS,
+    drawn_points,
+    drive_picture,
+    joint_forces_picture,
+    link_motion_picture,
+    motion_picture,
+)
 from flexmech.plots.mechanism import transmission_picture
-from flexmech.plots.motion import MOST_POINTS, drawn_points, motion_picture
 from flexmech.plots.picture import Choice, Curve, Pane, Picture, joined
 from flexmech.plots.reading import degrees, names_of
 from flexmech.plots.shaking import balance_picture
 from flexmech.plots.style import series_line
 from flexmech.report import panel
 from flexmech.report import results as words
-from flexmech.report.plotted import Plot, plotted
+from flexmech.report.panel import Plot, plotted
 from flexmech.report.results import Results
 
 

@@ -11,22 +11,27 @@ import xarray as xr
 from flexmech.analyses import Kinematics, Response, Table
 from flexmech.analyses.digits import decimals_of, with_error
 from flexmech.arrays import FloatArray
-from flexmech.plots.law import motor_picture
+from flexmech.plots.kinematics import motor_picture
 from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import STARTS, bending_links, names_of
 from flexmech.plots.response import (
     forces_picture,
     frame_picture,
+    move_picture,
     over_time,
     response_picture,
     shaft_panes,
 )
-from flexmech.plots.shaping import move_picture
 from flexmech.plots.spectra import spectrum_picture
-from flexmech.report.last_turn import MOST_POINTS, over_a_turn
-from flexmech.report.panel import Panel, Reading, further_lines, panel_of
-from flexmech.report.plotted import Plot, plotted
-from flexmech.report.results import Results, speed_name, speed_unit_of, state_of
+from flexmech.report.panel import Panel, Plot, Reading, further_lines, panel_of, plotted
+from flexmech.report.results import (
+    MOST_POINTS,
+    Results,
+    over_a_turn,
+    speed_name,
+    speed_unit_of,
+    state_of,
+)
 
 
 def _deflections(data: xr.Dataset) -> Picture:

@@ -15,10 +15,8 @@ from flexmech.plots.picture import Curve, Pane, Picture
 from flexmech.plots.reading import names_of
 from flexmech.plots.section import profile_pane, uptake_pane
 from flexmech.plots.style import series_line
-from flexmech.report.last_turn import thinning
-from flexmech.report.panel import Panel, panel_of, shows
-from flexmech.report.plotted import Plot, plotted
-from flexmech.report.results import Results, state_of
+from flexmech.report.panel import Panel, Plot, panel_of, plotted, shows
+from flexmech.report.results import Results, state_of, thinning
 
 # Variable, number of the unit load, title of the axis, and its units in a Pa.
 LOADS = (

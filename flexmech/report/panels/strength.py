@@ -11,10 +11,8 @@ from flexmech.plots.picture import Choice, Curve, Pane, Picture, Span, joined, o
 from flexmech.plots.reading import names_of
 from flexmech.plots.strength import FAILS, FORCES
 from flexmech.plots.style import MID_GREY, series_line
-from flexmech.report.last_turn import over_a_turn
-from flexmech.report.panel import Panel, further_lines, panel_of
-from flexmech.report.plotted import plotted
-from flexmech.report.results import Results, speed_name, speed_unit_of
+from flexmech.report.panel import Panel, further_lines, panel_of, plotted
+from flexmech.report.results import Results, over_a_turn, speed_name, speed_unit_of
 
 
 def strength_panel(results: Results) -> Panel | None:

@@ -11,7 +11,6 @@ import scipy.linalg
 
 from flexmech.analyses import natural_frequencies
 from flexmech.arrays import FloatArray
-from flexmech.beams import BEAM_SHAPES, build_chain
 from flexmech.linkages import FourBar, LinkMass
 from flexmech.materials import (
     Fibre,
@@ -22,6 +21,7 @@ from flexmech.materials import (
     ply_from_constituents,
     published_constituents,
 )
+from flexmech.mechanics.beams import BEAM_SHAPES, build_chain
 from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import BeamSection, LaminateSection, SheetSection

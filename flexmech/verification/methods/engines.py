@@ -7,7 +7,7 @@ from typing import Any
 
 from flexmech.choices import ElementName, EngineName
 from flexmech.example_models import example_model
-from flexmech.linear_system import Engine
+from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import load_mechanism
 from flexmech.multibody import ExudynEngine

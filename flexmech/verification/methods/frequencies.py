@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from flexmech.analyses import natural_frequencies, solve_modes
+from flexmech.analyses import natural_frequencies
 from flexmech.arrays import FloatArray
 from flexmech.choices import ElementName, EngineName, Prestress
 from flexmech.errors import InputError
 from flexmech.linkages import RotatingArm
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
+from flexmech.solvers import solve_modes
 from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
 from flexmech.verification.methods.stored_tables import stored_table
 

@@ -14,12 +14,13 @@ from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
 from flexmech.choices import EngineName
-from flexmech.linear_system import Engine
 from flexmech.linkages import ConstantSpeed
+from flexmech.mechanics import Engine
+from flexmech.mechanics.running import DrivenLinkage, LinkState, Trajectory
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
-from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, linear_run, periodic_state
+from flexmech.solvers import linear_run, periodic_state
 from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
 from flexmech.verification.methods.floating_rod import CRANK_SPEED, END_TIME
 from flexmech.verification.methods.stored_tables import stored_table

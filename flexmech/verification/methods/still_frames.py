@@ -7,13 +7,13 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
-from flexmech.analyses import solve_modes
 from flexmech.arrays import FloatArray
 from flexmech.choices import EngineName
 from flexmech.linkages import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
+from flexmech.solvers import solve_modes
 from flexmech.verification.methods.engines import SLENDER, engine_of_name
 
 # A steel strip, and lengths in m whose ratio is not simple, so that no two frequencies are alike.

@@ -1,1 +1,0 @@
-"""The assembled system, and what an engine is."""

@@ -1,1 +1,0 @@
-"""How joints tie links together: conditions, dependent coordinates and the frames of the links."""

@@ -1,1 +1,0 @@
-"""Loads on the links and springs between them."""

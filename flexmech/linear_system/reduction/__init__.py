@@ -1,1 +1,0 @@
-"""Component modes of the links (Craig and Bampton 1968)."""

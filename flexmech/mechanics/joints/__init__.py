@@ -1,0 +1,1 @@
+"""Joints: ties between links, their coordinates, link frames, and errors that name positions."""

@@ -1,0 +1,1 @@
+"""One link: mass, stiffness, rotation terms, bodies, component modes and readings."""

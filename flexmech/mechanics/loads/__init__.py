@@ -1,0 +1,1 @@
+"""Springs, dampers, loads and points that are attached to links."""

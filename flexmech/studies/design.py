@@ -1,0 +1,165 @@
+"""One design of a study, with what several outputs need of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from flexmech.analyses.frequencies.extremes import Extremes
+from flexmech.analyses.frequencies.positions import frequency_extremes
+from flexmech.analyses.response.compute import response
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.arrays import FloatArray
+from flexmech.choices import Prestress
+from flexmech.errors import InputError, suggestion
+from flexmech.linkages import InverseDynamics
+from flexmech.mechanics import Engine
+from flexmech.mechanism import Mechanism
+
+
+class FrequencyNeeds(NamedTuple):
+    """Which natural frequencies over a turn an output needs.
+
+    Parameters
+    ----------
+    speed : float
+        In rad/s.
+    prestress : {"none", "axial", "equilibrium"}
+    angles, modes : int
+        Of how many.
+    """
+
+    speed: float
+    prestress: Prestress
+    angles: int
+    modes: int
+
+
+ExtremesWanted = frozenset[tuple[int, int]]
+"""Pairs of 0 for the lowest or 1 for the highest frequency of a turn, and the number of a mode."""
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """One design.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of the design.
+    model : Mechanism
+        That of the model file.
+    varied_speed : float, optional
+        Crank speed in rad/s, where it varies.
+    """
+
+    engine: Engine
+    model: Mechanism
+    varied_speed: float | None = None
+    _wanted: dict[FrequencyNeeds, ExtremesWanted] = field(default_factory=dict, repr=False)
+    _maps: dict[FrequencyNeeds, Extremes] = field(default_factory=dict, repr=False)
+    _runs: dict[float, object] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """Of the design."""
+        return self.engine.mechanism
+
+    @property
+    def speed(self) -> float:
+        """Crank speed in rad/s: that which varies, or the greatest of the mechanism's; or zero."""
+        if self.varied_speed is not None:
+            return self.varied_speed
+        return float(max(self.mechanism.operating_speeds, key=abs, default=0.0))
+
+    def frequencies(self, needs: FrequencyNeeds) -> Extremes:
+        """Lowest and highest natural frequencies over a turn.
+
+        Parameters
+        ----------
+        needs : FrequencyNeeds
+
+        Returns
+        -------
+        Extremes
+
+        Raises
+        ------
+        FlexmechError
+            If there are none.
+        """
+        if needs not in self._maps:
+            sought = np.zeros((2, needs.modes), dtype=bool)
+            wanted = self._wanted.get(needs, every_extreme(needs.modes))
+            sought[tuple(np.array(sorted(wanted)).T)] = True
+            self._maps[needs] = frequency_extremes(
+                self.engine,
+                turn(needs.angles),
+                needs.speed,
+                modes=needs.modes,
+                prestress=needs.prestress,
+                wanted=sought,
+            )
+        return self._maps[needs]
+
+    def want(self, needs: FrequencyNeeds, extremes: ExtremesWanted) -> None:
+        """Note which extremes an output seeks between the crank angles, before any is found.
+
+        Parameters
+        ----------
+        needs : FrequencyNeeds
+        extremes : frozenset of (int, int)
+        """
+        self._wanted[needs] = self._wanted.get(needs, frozenset()) | extremes
+
+    def forces_at(self, crank_angle: FloatArray, speed: float) -> InverseDynamics:
+        """Joint forces and torque of the rigid linkage at crank angles (A,) in rad.
+
+        At a crank speed in rad/s.
+        """
+        return self.mechanism.inverse_dynamics(self.mechanism.linkage.motion(crank_angle, speed))
+
+    def peak(self, name: str, speed: float, link: str | None) -> float:
+        """Greatest peak of the periodic motion, of a link or of all.
+
+        Parameters
+        ----------
+        name : str
+            Of the variable of the response's peaks.
+        speed : float
+            In rad/s.
+        link : str or None
+
+        Returns
+        -------
+        float
+            In SI units.
+
+        Raises
+        ------
+        InputError
+            If there is no such link.
+        """
+        if speed not in self._runs:
+            request = ResponseRequest(speed, 1.0, start="periodic")
+            self._runs[speed] = response(self.engine, request).peaks()
+        peaks = self._runs[speed][name].isel(engine=0)  # type: ignore[index]
+        if link is not None:
+            if link not in peaks["link"].values:
+                known = [str(each) for each in peaks["link"].values]
+                raise InputError(f"there is no link {link!r}; {suggestion(link, known)}")
+            peaks = peaks.sel(link=link)
+        return float(abs(peaks).max())
+
+
+def every_extreme(modes: int) -> ExtremesWanted:
+    """The lowest and the highest frequency of so many modes."""
+    return frozenset((end, mode) for end in (0, 1) for mode in range(modes))
+
+
+def turn(count: int) -> FloatArray:
+    """Evenly spaced crank angles over a turn in rad, (count,)."""
+    return np.linspace(0.0, 2 * np.pi, count, endpoint=False)

@@ -1,1 +1,0 @@
-"""Studies of many designs of one linkage: sweeps, uncertainty, optima."""

@@ -1,1 +1,0 @@
-"""Time integration of the equations of motion by the trapezoidal rule and Lobatto's method."""

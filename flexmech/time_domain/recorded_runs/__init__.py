@@ -1,1 +1,0 @@
-"""Records of runs in time: samples, energies, filtered forces, initial states and impacts."""
