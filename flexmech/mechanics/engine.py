@@ -229,7 +229,7 @@ class Engine(EngineParameters):
         if carried is not None:
             matrices = SystemMatrices(system.mass, system.damping, system.stiffness)
             matrices = carried.added(system.motion, matrices, terms, system.expansion)
-            system = replace(system, **vars(matrices), carried=carried, unit_mass_from=None)
+            system = replace(system, **vars(matrices), carried=carried)
         return replace(system, rigid_modes=self.rigid_modes, circulates=self.connectors.circulates)
 
     def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
@@ -246,7 +246,6 @@ class Engine(EngineParameters):
                 detail=detail,
                 with_damping_shapes=True,
                 fixed=self.fixed_interface_links,
-                decouples_mass=True,
             )
         return self._reductions[key]
 

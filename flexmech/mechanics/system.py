@@ -44,9 +44,6 @@ class LinearSystem:
         From z to the coordinates of ``frames`` where some were condensed.
     bases : tuple of ndarray, shape (n_full, n_link), or None
         From each reduced link's coordinates to its unreduced ones.
-    unit_mass_from : int, optional
-        From this coordinate on the mass matrix is the unit matrix in every position, and zero
-        between these coordinates and those before.
     circulates : bool
         Whether there are circulatory forces: follower forces, or dampers of springs.
     carried : CarriedLinkage, optional
@@ -65,7 +62,6 @@ class LinearSystem:
     frames: LinkFrames
     expansion: FloatArray | None = None
     bases: tuple[FloatArray, ...] | None = None
-    unit_mass_from: int | None = None
     rigid_modes: int = 0
     circulates: bool = False
     carried: CarriedLinkage | None = None
@@ -300,7 +296,7 @@ def assembled_system(
     links, displacement = frames.links, stressed.displacement
     motion, turns = frames.displaced(motion, displacement), body_turns(links, displacement)
     damping, end_damping = stressed.damping, None
-    forces, bases, unit_mass_from = None, None, None
+    forces, bases = None, None
     if reduction is None:
         tangent = stressed.tangent
     else:
@@ -325,9 +321,6 @@ def assembled_system(
         condensed = np.zeros(frames.size, dtype=bool)
         for target, link in zip(frames.targets, reduction.links, strict=True):
             condensed[target[link.condensed]] = True
-        # Component modes are normalized by the mass; condensed ones bring theirs along.
-        if reduction.decouples_mass and not condensed.any() and turns is None:
-            unit_mass_from = frames.end_count
     expansion = None
     if condensed.any():
         matrices, expansion = condense(matrices, condensed, forces)
@@ -340,7 +333,6 @@ def assembled_system(
         frames,
         expansion,
         bases,
-        unit_mass_from,
     )
 
 

@@ -415,8 +415,7 @@ def _conservative(system: LinearSystem, count: int) -> Modes:
     stiffness, unit_mass = _standard_form(system)
     every, vectors = np.linalg.eigh(stiffness)
     rigid = system.rigid_modes
-    vectors = vectors[:, :, : rigid + count]
-    vectors[:, : unit_mass.shape[1]] = unit_mass @ vectors[:, : unit_mass.shape[1]]
+    vectors = unit_mass @ vectors[:, :, : rigid + count]
     rigid_shapes, shapes = vectors[:, :, :rigid], np.ascontiguousarray(vectors[:, :, rigid:])
     values = every[:, rigid : rigid + count].copy()
     _sharpen(_with_springs(system, rigid_shapes, every[:, -1]), every[:, rigid:], values, shapes)
@@ -444,24 +443,10 @@ def _rigid_eigenvalues(system: LinearSystem, shapes: FloatArray) -> NDArray[np.c
 
 
 def _standard_form(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
-    """Stiffness in coordinates of unit mass, and how the first of them are made.
-
-    ``z = W y`` with ``W' M W = 1``. Where the mass is the unit matrix from coordinate e on,
-    W differs from the unit matrix in its first e rows and columns alone.
-
-    Returns
-    -------
-    stiffness : ndarray, shape (B, n, n)
-        Its lower triangle, which is what ``numpy.linalg.eigh`` reads.
-    unit_mass : ndarray, shape (B, e, e)
-        First rows and columns of W.
-    """
-    ends = system.size if system.unit_mass_from is None else system.unit_mass_from
-    lower = np.linalg.inv(np.linalg.cholesky(system.mass[:, :ends, :ends]))
-    unit_mass, stiffness = np.swapaxes(lower, 1, 2), system.stiffness.copy()
-    np.matmul(system.stiffness[:, :, :ends], unit_mass, out=stiffness[:, :, :ends])
-    stiffness[:, :ends, :ends] = lower @ stiffness[:, :ends, :ends]
-    return stiffness, unit_mass
+    """Stiffness ``W' K W`` in coordinates y of unit mass, and W with ``z = W y``, (B, n, n)."""
+    lower = np.linalg.inv(np.linalg.cholesky(system.mass))
+    unit_mass = np.swapaxes(lower, 1, 2)
+    return lower @ system.stiffness @ unit_mass, unit_mass
 
 
 def _sharpen(

@@ -414,7 +414,6 @@ def krylov_projected(system: LinearSystem, space: KrylovSpace) -> LinearSystem:
         mass=adjoint @ system.mass @ basis,
         damping=adjoint @ system.damping @ basis,
         stiffness=adjoint @ system.stiffness @ basis,
-        unit_mass_from=None,
     )
 
 

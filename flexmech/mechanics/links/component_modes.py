@@ -394,13 +394,10 @@ class ComponentModes:
     ----------
     topology : Topology
     links : tuple of ReducedLink
-    decouples_mass : bool
-        Whether the constraint modes are mass-orthogonal to the other modes.
     """
 
     topology: Topology
     links: tuple[ReducedLink, ...]
-    decouples_mass: bool
 
     @property
     def models(self) -> tuple[LinkModel, ...]:
@@ -425,7 +422,6 @@ def component_modes(
     turning_sections: bool = True,
     with_damping_shapes: bool = False,
     fixed: Sequence[FixedInterfaceLink] | None = None,
-    decouples_mass: bool = False,
 ) -> ComponentModes:
     """Choose and build the component modes of every link.
 
@@ -455,10 +451,6 @@ def component_modes(
         Keep the static responses to damping forces, which frozen damping ratios need.
     fixed : sequence of FixedInterfaceLink, optional
         What :func:`fix_interfaces` gives for the links; without springs in joints by default.
-    decouples_mass : bool
-        Make the constraint modes orthogonal to the other modes by the mass, so that it couples no
-        end with a mode. Frozen matrices are then of simpler form; moving modes, which are sought
-        near a fixed basis, are smoother with constraint modes that are static.
 
     Returns
     -------
@@ -479,12 +471,11 @@ def component_modes(
             detail=detail,
             damped=with_damping_shapes and bool(h.link.damping.any()),
             turning_sections=turning_sections,
-            decouples_mass=decouples_mass,
         )
         for h in fixed
     )
     own = (_unreduced(link) if link.rigid else next(reduced) for link in links)
-    return ComponentModes(topology, tuple(own), decouples_mass)
+    return ComponentModes(topology, tuple(own))
 
 
 def _unreduced(link: LinkModel) -> ReducedLink:
@@ -502,7 +493,6 @@ def _reduce(
     detail: float,
     damped: bool,
     turning_sections: bool,
-    decouples_mass: bool,
 ) -> ReducedLink:
     """One flexible link; bending modes are kept up to ``detail`` times the usual cut-off."""
     bending_cutoff, turning = detail * usual_cutoff, fastest != 0
@@ -529,10 +519,7 @@ def _reduce(
         shapes = (fixed.constraint_modes - fixed.boundary.unit)[:, fixed.boundary.dependent]
         candidates = np.hstack([candidates, shapes])
     condensed = _complement(candidates, dynamic, mass)
-    static = fixed.constraint_modes
-    if decouples_mass:
-        static = static - dynamic @ (dynamic.T @ (mass @ static))
-    basis = np.hstack([static, dynamic, condensed])
+    basis = np.hstack([fixed.constraint_modes, dynamic, condensed])
     size = basis.shape[1]
     is_condensed = np.arange(size) >= size - condensed.shape[1]
     answered = damped and turning and detail > 1
