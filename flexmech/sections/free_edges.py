@@ -85,7 +85,8 @@ def is_off_axis(laminate: Laminate) -> bool:
     -------
     bool
     """
-    plies = laminate.transformed_stiffness
+    turned = [layer for layer in laminate.layers if abs(np.sin(2 * layer.angle)) > ROUND_OFF]
+    plies = np.reshape([layer.transformed_stiffness for layer in turned], (-1, 3, 3))
     sheared = np.abs(plies[:, 0, 2]) + np.abs(plies[:, 1, 2])
     return bool(np.any(sheared > ROUND_OFF * (plies[:, 0, 0] + plies[:, 1, 1])))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -34,7 +34,7 @@ from flexmech.mechanics.beams.elements import BEAM_SHAPES, build_chain
 from flexmech.mechanics.beams.restrained_ends import restrained_beam
 from flexmech.mechanism import Mechanism
 from flexmech.mesh import node_positions
-from flexmech.sections import BeamSection, DampingTimes, LaminateSection
+from flexmech.sections import BeamSection, LaminateSection
 from flexmech.sections.solid_section import SLOPES, VALUES, Parabolas, rows_of_runs
 from flexmech.threads import one_thread
 
@@ -117,19 +117,8 @@ def compression_frequency(section: LaminateSection) -> float:
 def _links_of(mechanism: Mechanism) -> _Links:
     """What frequencies of a mechanism at rest depend on."""
     topology = mechanism.linkage.topology
-    # Damping, free strains and what a section is called do not matter to frequencies at rest.
     sections = tuple(
-        None
-        if link.rigid
-        else replace(
-            mechanism.sections[link.name],
-            damping=DampingTimes(),
-            specific_damping=None,
-            damping_frequency=None,
-            free_strain=0.0,
-            free_curvature=0.0,
-        )
-        for link in topology.links
+        None if link.rigid else mechanism.sections[link.name] for link in topology.links
     )
     motion, springs = _configurations(mechanism), (mechanism.springs, mechanism.joint_springs)
     positions = motion.angle.tobytes(), motion.origin.tobytes()
@@ -274,11 +263,9 @@ def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
     """One link of beam elements, or a rigid one."""
     name = links.topology.link_names[number]
     mass = links.masses[number]
-    if links.sections[number] is None:
+    section, elements = links.sections[number], _elements(modes)
+    if section is None:
         return rigid_link(name, mass)
-    # As it is in the mechanism: an engine's link may be the same one.
-    section = links.mechanism.sections[name]
-    elements = _elements(modes)
     if theory == RESTRAINED_ENDS:
         own, ends = restrained_beam(links.mechanism, name)
         chain = build_chain(name, own, mass, elements, BEAM_SHAPES["timoshenko"])
