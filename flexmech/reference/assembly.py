@@ -33,18 +33,18 @@ class Ties:
 
     Parameters
     ----------
-    turns : list of list of ndarray, shape (r, c, B)
-        Of each link: derivative of the dependent rows of each tie by the independent ones.
+    turns : list of ndarray, shape (r, c, B)
+        Of each link: derivative of the dependent rows by the coordinates that determine them.
     displaced : DisplacedTies, optional
         Where rigid links and lines are, if there are any.
     """
 
-    turns: list[list[FloatArray]]
+    turns: list[FloatArray]
     displaced: DisplacedTies | None
 
     def at(self, which: IntArray) -> Ties:
         """Constraints of some positions, where they do not depend on displacements."""
-        return Ties([[in_positions(turn, which) for turn in turns] for turns in self.turns], None)
+        return Ties([in_positions(turn, which) for turn in self.turns], None)
 
 
 class LinkRows:
@@ -68,26 +68,22 @@ class LinkRows:
 
     def __init__(self, frames: LinkFrames, link: int, rows: IntArray) -> None:
         self.link, self._count, self._of_rigid = link, len(rows), None
-        self._ties: list[tuple[int, IntArray, tuple[IntArray, IntArray]]] = []
         if frames.links[link].rigid:
             self.columns = np.arange(len(frames.rigid.independent_coordinates))
             self._of_rigid = frames.rigid.of_body(link)
             return
         target = frames.targets[link][rows]
-        ties = [
-            (number, np.flatnonzero(np.isin(rows, dependent)), dependent, columns)
-            for number, (dependent, columns) in enumerate(frames.dependencies(link))
-            if np.isin(rows, dependent).any()
-        ]
-        for _, place, _, _ in ties:
-            target[place] = -1
+        dependent, determining = frames.dependencies[link]
+        place = np.flatnonzero(np.isin(rows, dependent))
+        target[place] = -1
         free = np.flatnonzero(target >= 0)
-        every = [target[free], *(columns for _, _, _, columns in ties)]
-        self.columns = np.unique(np.concatenate(every))
+        # Those of the end at these rows alone: with the other end's the band would be wide.
+        by = [tie.columns for tie in frames.ties[link] if np.isin(rows, tie.rows).any()]
+        self.columns = np.unique(np.concatenate([target[free], *by]))
         self._free = free, np.searchsorted(self.columns, target[free])
-        for number, place, dependent, columns in ties:
-            grid = place[:, None], np.searchsorted(self.columns, columns)
-            self._ties.append((number, np.searchsorted(dependent, rows[place]), grid))
+        kept = np.flatnonzero(np.isin(determining, self.columns))
+        self._place = place[:, None], np.searchsorted(self.columns, determining[kept])
+        self._source = np.searchsorted(dependent, rows[place])[:, None], kept
 
     def derivative(self, ties: Ties) -> FloatArray:
         """Derivative of the rows by the columns, (r, c, B)."""
@@ -96,12 +92,10 @@ class LinkRows:
             return np.moveaxis(
                 ties.displaced.coordinates[:, self._of_rigid, : len(self.columns)], 0, -1
             )
-        turns = [ties.turns[self.link][number] for number, _, _ in self._ties]
-        batch = turns[0].shape[2] if turns else 1
-        derivative = np.zeros((self._count, len(self.columns), batch))
+        turn = ties.turns[self.link]
+        derivative = np.zeros((self._count, len(self.columns), turn.shape[2]))
         derivative[self._free] = 1.0
-        for (_, own, grid), turn in zip(self._ties, turns, strict=True):
-            derivative[grid] = turn[own]
+        derivative[self._place] = turn[self._source]
         return derivative
 
     def turned(self, matrix: FloatArray, ties: Ties) -> FloatArray:
@@ -176,20 +170,16 @@ class LinkageAssembly:
             displaced = self.frames.displaced_ties(motion, z[: self._rigid_count].T)
             rows = displaced.rows
         else:
-            rows = [[tie.turn for tie in ties] for ties in self.frames.dependent_rows(motion)]
-        return Ties(
-            [[np.ascontiguousarray(np.moveaxis(x, 0, -1)) for x in turns] for turns in rows],
-            displaced,
-        )
+            rows = [tie.turn for tie in self.frames.dependent_rows(motion)]
+        return Ties([np.ascontiguousarray(np.moveaxis(turn, 0, -1)) for turn in rows], displaced)
 
     def link_displacement(self, z: FloatArray, ties: Ties) -> list[FloatArray]:
         """Coordinates (n_link, B) of each link from independent ones (size, B)."""
         result = []
         for link, target in enumerate(self.frames.targets):
             q = np.where(target[:, None] >= 0, z[target], 0.0)
-            dependent = zip(self.frames.dependencies(link), ties.turns[link], strict=True)
-            for (rows, columns), turn in dependent:
-                q[rows] = (turn * z[columns]).sum(axis=1)
+            rows, columns = self.frames.dependencies[link]
+            q[rows] = (ties.turns[link] * z[columns]).sum(axis=1)
             if ties.displaced is not None:
                 ties.displaced.put_places(link, q.T)
             result.append(q)
@@ -211,14 +201,10 @@ class LinkageAssembly:
         """Generalized forces (size, B) by forces (n_link, B) on the links."""
         total = np.zeros((self.frames.size, forces[0].shape[1]))
         for link, (target, force) in enumerate(zip(self.frames.targets, forces, strict=True)):
-            free = target >= 0
-            for (rows, columns), turn in zip(
-                self.frames.dependencies(link), ties.turns[link], strict=True
-            ):
-                total[columns] += (turn * force[rows][:, None]).sum(axis=0)
-                free[rows] = False
-            own = np.flatnonzero(free)
-            total[target[own]] += force[own]
+            rows, columns = self.frames.dependencies[link]
+            total[columns] += (ties.turns[link] * force[rows][:, None]).sum(axis=0)
+            free = self.frames.independent_coordinates(link)
+            total[target[free]] += force[free]
         return total
 
     def entries(self, batch: int) -> tuple[FloatArray, dict[int, FloatArray]]:
@@ -277,8 +263,8 @@ class LinkageAssembly:
     def _dependent_elements(self, link: int) -> list[int]:
         """Elements of a link with a dependent coordinate."""
         last = self._shapes[link][0] - 1
-        first = [int(rows.min()) for rows, _ in self.frames.dependencies(link)]
-        return sorted({min(row // self._per_node, last) for row in first})
+        nodes = self.frames.dependencies[link][0] // self._per_node
+        return sorted({min(node, last) for node in nodes.tolist()})
 
     @cached_property
     def _shapes(self) -> dict[int, tuple[int, int, int]]:

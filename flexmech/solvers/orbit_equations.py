@@ -69,15 +69,15 @@ class DisplacedFrames(LinkFrames):
     Parameters
     ----------
     frames : LinkFrames
-    rows : list of list of DependentRows
+    rows : list of DependentRows
         Of each link, at the positions for which the frames are used.
     """
 
-    def __init__(self, frames: LinkFrames, rows: list[list[DependentRows]]) -> None:
+    def __init__(self, frames: LinkFrames, rows: list[DependentRows]) -> None:
         vars(self).update(vars(frames))  # the same coordinates, and sums of constant matrices
         self._rows = rows
 
-    def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
+    def dependent_rows(self, motion: RigidMotion) -> list[DependentRows]:
         """Dependent rows of each link at the displaced rigid links and sliders."""
         del motion
         return self._rows
@@ -476,17 +476,14 @@ class OrbitEquations:
             return (by @ turn.reshape(len(turn), -1)).reshape(turn.shape)
 
         rows = [
-            [
-                DependentRows(
-                    *dependent,
-                    turn,
-                    differentiated(self.first, turn),
-                    differentiated(self.second, turn),
-                    np.zeros_like(turn),
-                )
-                for dependent, turn in zip(self.frames.dependencies(link), turns, strict=True)
-            ]
-            for link, turns in enumerate(ties.rows)
+            DependentRows(
+                *dependent,
+                turn,
+                differentiated(self.first, turn),
+                differentiated(self.second, turn),
+                np.zeros_like(turn),
+            )
+            for dependent, turn in zip(self.frames.dependencies, ties.rows, strict=True)
         ]
         return DisplacedFrames(self.frames, rows)
 

@@ -135,9 +135,9 @@ class LinkageDynamics:
             # Virtual power at unit crank speed: the rigid link, its pins' displacements as
             # they turn, and the rest of its displacement as it turns with the frame.
             torque = row_products(link.virtual_velocity, rigid) + link.virtual_turn * turning
-            for end in unit_rates[number]:
-                turned = (end.rate @ coordinates[0][:, end.columns, None])[..., 0]
-                torque += row_products(turned, shapes[:, end.rows])
+            ends_of_link = unit_rates[number]
+            turned = (ends_of_link.rate @ coordinates[0][:, ends_of_link.columns, None])[..., 0]
+            torque += row_products(turned, shapes[:, ends_of_link.rows])
             weight = inertia.gravity_energy(
                 whole.origin[:, number], whole.angle[:, number], link.displacement, gravity
             )

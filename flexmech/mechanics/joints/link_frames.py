@@ -41,39 +41,35 @@ class LinkPlace:
     ----------
     runs : list of tuple of slice
         Independent coordinates: runs of consecutive numbers in the link and in the linkage.
-    dependencies : list of tuple of slice or ndarray of int
+    rows, columns : slice or ndarray of int
         Dependent rows of the link, and the columns of the linkage that determine them.
     """
 
     runs: list[tuple[slice, slice]]
-    dependencies: list[tuple[Numbers, Numbers]]
+    rows: Numbers
+    columns: Numbers
 
-    def add(
-        self, total: FloatArray, matrix: FloatArray, dependencies: Sequence[DependentRows]
-    ) -> None:
+    def add(self, total: FloatArray, matrix: FloatArray, turn: FloatArray) -> None:
         """Add ``Q' X Q`` to a matrix of the linkage.
 
         Parameters
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        dependencies : sequence of DependentRows
+        turn : ndarray, shape (B, r, c)
+            Of the dependent rows.
         """
         for row, to_row in self.runs:
             for column, to_column in self.runs:
                 total[:, to_row, to_column] += matrix[..., row, column]
-        for (rows, to_rows), tie in zip(self.dependencies, dependencies, strict=True):
+        if turn.size:
             for column, to_column in self.runs:
-                block = _turned(tie.turn, matrix[..., rows, column])
-                total[_where(to_rows, to_column)] += block
-        self.add_dependent_columns(total, matrix, dependencies, [tie.turn for tie in dependencies])
+                block = _turned(turn, matrix[..., self.rows, column])
+                total[_where(self.columns, to_column)] += block
+        self.add_dependent_columns(total, matrix, turn, turn)
 
     def add_dependent_columns(
-        self,
-        total: FloatArray,
-        matrix: FloatArray,
-        dependencies: Sequence[DependentRows],
-        right: Sequence[FloatArray],
+        self, total: FloatArray, matrix: FloatArray, turn: FloatArray, right: FloatArray
     ) -> None:
         """Add ``Q' X P``, where P has the rows of dependent coordinates alone.
 
@@ -81,17 +77,19 @@ class LinkPlace:
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        dependencies : sequence of DependentRows
-        right : sequence of ndarray, shape (B, r, c)
-            ``P`` of each.
+        turn : ndarray, shape (B, r, c)
+            Of the dependent rows.
+        right : ndarray, shape (B, r, c)
+            Those rows of ``P``.
         """
-        for (columns, to_columns), by in zip(self.dependencies, right, strict=True):
-            transposed = np.swapaxes(matrix[..., columns], -1, -2)
-            turned = np.swapaxes(_turned(by, transposed), 1, 2)
-            for row, to_row in self.runs:
-                total[_where(to_row, to_columns)] += turned[:, row]
-            for (rows, to_rows), tie in zip(self.dependencies, dependencies, strict=True):
-                total[_where(to_rows, to_columns)] += np.swapaxes(tie.turn, 1, 2) @ turned[:, rows]
+        if not turn.size:
+            return
+        transposed = np.swapaxes(matrix[..., self.rows], -1, -2)
+        turned = np.swapaxes(_turned(right, transposed), 1, 2)
+        for row, to_row in self.runs:
+            total[_where(to_row, self.columns)] += turned[:, row]
+        block = np.swapaxes(turn, 1, 2) @ turned[:, self.rows]
+        total[_where(self.columns, self.columns)] += block
 
 
 def _turned(turn: FloatArray, rows: FloatArray) -> FloatArray:
@@ -193,31 +191,29 @@ class LinkFrames(LinkTies):
         damps = terms.coriolis or any(damped)
         rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
         dependent = self.dependent_rows(motion)
-        for number, (place, pairs) in enumerate(zip(self._places, dependent, strict=True)):
+        for number, (place, tie) in enumerate(zip(self._places, dependent, strict=True)):
             link_mass, gyroscopic, centrifugal_mass, end_mass, end_gyroscopic = inertia[number]
             damping_matrix, damped_ends = resisting[number]
             speed = motion.angular_velocity[:, number, None, None]
-            turning, tangent = [p.rate for p in pairs], stiffness[number]
+            turn, turning, tangent = tie.turn, tie.rate, stiffness[number]
             if terms.centripetal:
                 tangent = tangent - speed**2 * centrifugal_mass
             if terms.tangential:
                 change = motion.angular_acceleration[:, number, None, None]
                 tangent = tangent + change * gyroscopic
-            place.add(mass, link_mass, pairs)
-            place.add(total, tangent, pairs)
+            place.add(mass, link_mass, turn)
+            place.add(total, tangent, turn)
             if damped[number]:
-                place.add(rates, damping_matrix, pairs)
+                place.add(rates, damping_matrix, turn)
             if terms.coriolis:
-                place.add(rates, 2 * speed * gyroscopic, pairs)
-                place.add_dependent_columns(rates, 2 * end_mass, pairs, turning)
+                place.add(rates, 2 * speed * gyroscopic, turn)
+                place.add_dependent_columns(rates, 2 * end_mass, turn, turning)
                 if damped[number]:
-                    place.add_dependent_columns(total, damped_ends, pairs, turning)
+                    place.add_dependent_columns(total, damped_ends, turn, turning)
             if terms.centripetal:
-                coriolis = [2 * speed * rate for rate in turning]
-                place.add_dependent_columns(total, end_gyroscopic, pairs, coriolis)
+                place.add_dependent_columns(total, end_gyroscopic, turn, 2 * speed * turning)
             if terms.centripetal or terms.tangential:
-                accelerating = [p.acceleration(terms) for p in pairs]
-                place.add_dependent_columns(total, end_mass, pairs, accelerating)
+                place.add_dependent_columns(total, end_mass, turn, tie.acceleration(terms))
         if guide_stiffness is not None and guide_stiffness.any():
             total += self.guide_matrix(motion, guide_stiffness)
         return SystemMatrices(mass, rates, total)
@@ -226,11 +222,9 @@ class LinkFrames(LinkTies):
     def _places(self) -> list[LinkPlace]:
         places = []
         for link, target in enumerate(self.targets):
-            own = self.independent_coordinates(link)
-            pairs = [
-                (_numbers(rows), _numbers(columns)) for rows, columns in self.dependencies(link)
-            ]
-            places.append(LinkPlace(_runs(own, target[own]), pairs))
+            free = self.independent_coordinates(link)
+            dependent = map(_numbers, self.dependencies[link])
+            places.append(LinkPlace(_runs(free, target[free]), *dependent))
         return places
 
     def link_coordinates(self, motion: RigidMotion, vectors: NDArray[Any]) -> list[NDArray[Any]]:
@@ -253,8 +247,7 @@ class LinkFrames(LinkTies):
             q = np.zeros((len(vectors), link.size, vectors.shape[2]), dtype=vectors.dtype)
             for own, independent in place.runs:
                 q[:, own] = vectors[:, independent]
-            for tie in dependent:
-                q[:, tie.rows] = tie.turn @ vectors[:, tie.columns]
+            q[:, dependent.rows] = dependent.turn @ vectors[:, dependent.columns]
             result.append(q)
         return result
 
@@ -336,15 +329,9 @@ class LinkFrames(LinkTies):
         rate, change : ndarray, shape (B, k, m)
             ``N' z`` and ``N'' z`` in these rows.
         """
-        ties = self.dependent_rows(motion)[link]
-        none = np.zeros((len(vectors), 0, vectors.shape[2]))
-        rate, change = [none], [none]
-        for tie in ties:
-            determining = vectors[:, tie.columns]
-            rate.append(tie.rate @ determining)
-            change.append(tie.acceleration(terms) @ determining)
-        rows = self.dependent_coordinates(link)
-        return rows, np.concatenate(rate, axis=1), np.concatenate(change, axis=1)
+        tie = self.dependent_rows(motion)[link]
+        determining = vectors[:, tie.columns]
+        return tie.rows, tie.rate @ determining, tie.acceleration(terms) @ determining
 
     def by_independent(
         self,
@@ -369,9 +356,8 @@ class LinkFrames(LinkTies):
         ndarray, shape (B, k, size)
         """
         total = np.zeros((len(motion.crank_angle), rows.shape[-2], self.size))
-        for tie in self.dependent_rows(motion)[link]:
-            by = tie.turn if rate is None else rate(tie)
-            total[:, :, tie.columns] += rows[..., tie.rows] @ by
+        tie = self.dependent_rows(motion)[link]
+        total[:, :, tie.columns] = rows[..., tie.rows] @ (tie.turn if rate is None else rate(tie))
         if rate is None:
             for free, independent in self._places[link].runs:
                 total[:, :, independent] += rows[..., free]
@@ -388,11 +374,9 @@ class LinkFrames(LinkTies):
             Forces on each link in its frame.
         """
         total = np.zeros((len(motion.crank_angle), self.size, *loads[0].shape[2:]))
-        for load, place, dependent in zip(
-            loads, self._places, self.dependent_rows(motion), strict=True
-        ):
-            for tie in dependent:
-                total[:, tie.columns] += np.einsum("bij,bi...->bj...", tie.turn, load[:, tie.rows])
+        ties = self.dependent_rows(motion)
+        for load, place, tie in zip(loads, self._places, ties, strict=True):
+            total[:, tie.columns] += np.einsum("bij,bi...->bj...", tie.turn, load[:, tie.rows])
             for own, independent in place.runs:
                 total[:, independent] += load[:, own]
         return total

@@ -44,7 +44,7 @@ Matrix = TypeVar("Matrix", MatrixWithRates, FloatArray)
 
 @dataclass(frozen=True)
 class DependentRows:
-    """Dependent coordinates of a link: ``q[rows] = turn @ z[columns]``.
+    """Dependent coordinates of a link: ``q[rows] = turn @ z[columns]``; none of some links.
 
     A pinned end depends on its leader's end, rotated from that frame: two rows, two columns.
     An end on a line depends on the slide, one on a rigid link on that link's three coordinates.
@@ -52,9 +52,9 @@ class DependentRows:
     Parameters
     ----------
     rows : ndarray of int, shape (r,)
-        Coordinates of the link.
+        Coordinates of the link, ascending.
     columns : ndarray of int, shape (c,)
-        Independent coordinates of the linkage, all different.
+        Independent coordinates of the linkage, ascending.
     turn : ndarray, shape (B, r, c)
     rate : ndarray, shape (B, r, c)
         Time derivative of ``turn``.
@@ -149,6 +149,8 @@ class LinkTies:
         All rows that move with joint coordinates.
     ties : list of list of Tie
         Of each link: those of them that are dependent.
+    dependencies : list of tuple of ndarray of int, shape (r,), (c,)
+        Of each link: its dependent coordinates and the coordinates of z that determine them.
     """
 
     def __init__(
@@ -161,7 +163,7 @@ class LinkTies:
         self.rigid = _joint_coordinates(topology)
         self.targets = [np.full(link.size, -2, dtype=np.intp) for link in links]
         # A system asks for them ten times in the same positions.
-        self._latest: tuple[RigidMotion, list[list[DependentRows]]] | None = None
+        self._latest: tuple[RigidMotion, list[DependentRows]] | None = None
         self.joint_rows = [
             JointRows(link, np.arange(3), self.rigid.of_body(link)) for link in self.rigid.links
         ]
@@ -169,6 +171,7 @@ class LinkTies:
         self._number(last or [np.zeros(link.size, dtype=bool) for link in links])
         self.ties: list[list[Tie]] = [[] for _ in links]
         self._add_ties()
+        self.dependencies = [(_united(ties, 0), _united(ties, 3)) for ties in self.ties]
 
     def _end(self, end: LinkEnd) -> tuple[int, LinkModel]:
         link = self.topology.index(end.link)
@@ -265,8 +268,8 @@ class LinkTies:
         y: Matrix,
         turn: Callable[[int, int | None], Matrix],
         moved: Callable[[BodyPoint], Matrix],
-    ) -> list[list[Matrix]]:
-        """Derivatives of the dependent rows of each link by their columns, by tie.
+    ) -> list[FloatArray]:
+        """Derivatives of the dependent rows of each link by their columns.
 
         Parameters
         ----------
@@ -279,7 +282,8 @@ class LinkTies:
 
         Returns
         -------
-        list of list of MatrixWithRates or ndarray, shape (B, r, c)
+        list of ndarray, shape (k, B, r, c)
+            The k parts of a matrix with rates; one of a matrix without.
         """
         elastic = {body: end for end, body in self.rigid.ends.items()}
 
@@ -294,24 +298,23 @@ class LinkTies:
                 rotated = rotated @ _picked(y, self.rigid.of_body(source.body)[:2], tie.which)
             return rotated
 
-        return [[derivative(link, tie) for tie in ties] for link, ties in enumerate(self.ties)]
-
-    def dependencies(self, link: int) -> list[tuple[IntArray, IntArray]]:
-        """Dependent coordinates of a link and the coordinates of z that determine them, by tie."""
-        return [(tie.rows, tie.columns) for tie in self.ties[link]]
-
-    def dependent_coordinates(self, link: int) -> IntArray:
-        """Dependent coordinates of a link, (k,)."""
-        rows = [tie.rows for tie in self.ties[link]]
-        return np.concatenate([np.zeros(0, dtype=np.intp), *rows])
+        kinds, batch = np.shape(_parts(y))[:2]
+        every = []
+        for link, (rows, columns) in enumerate(self.dependencies):
+            every.append(np.zeros((kinds, batch, len(rows), len(columns))))
+            for tie in self.ties[link]:
+                place = np.searchsorted(rows, tie.rows)[:, None]
+                of_columns = np.searchsorted(columns, tie.columns)
+                every[link][..., place, of_columns] = _parts(derivative(link, tie))
+        return every
 
     def independent_coordinates(self, link: int) -> IntArray:
         """Coordinates of a link that are independent coordinates of the linkage, (k,)."""
         free = self.targets[link] >= 0
-        free[self.dependent_coordinates(link)] = False
+        free[self.dependencies[link][0]] = False
         return np.flatnonzero(free)
 
-    def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
+    def dependent_rows(self, motion: RigidMotion) -> list[DependentRows]:
         """Dependent coordinates of each link by the independent ones, with time derivatives.
 
         Parameters
@@ -321,8 +324,8 @@ class LinkTies:
 
         Returns
         -------
-        list of list of DependentRows
-            A list for each link.
+        list of DependentRows
+            Of each link.
         """
         if (latest := self._latest) is not None and latest[0] is motion:
             return latest[1]
@@ -334,11 +337,8 @@ class LinkTies:
 
         by = self.by_independent_coordinates(y, partial(_to_frame, motion), moved)
         rows = [
-            [
-                DependentRows(tie.rows, tie.columns, *derivative.parts)
-                for tie, derivative in zip(*of_link, strict=True)
-            ]
-            for of_link in zip(self.ties, by, strict=True)
+            DependentRows(*numbers, *derivative)
+            for numbers, derivative in zip(self.dependencies, by, strict=True)
         ]
         self._latest = motion, rows
         return rows
@@ -546,14 +546,15 @@ class DisplacedTies:
         return self.rigid.finite_dependence(self.jacobian)
 
     @cached_property
-    def rows(self) -> list[list[FloatArray]]:
-        """Derivatives (B, r, c) of the dependent rows of each link, by tie."""
+    def rows(self) -> list[FloatArray]:
+        """Derivatives (B, r, c) of the dependent rows of each link."""
 
         @cache
         def moved(point: BodyPoint) -> FloatArray:
             return self.jacobian_of([point]) @ self.coordinates
 
-        return self._ties.by_independent_coordinates(self.coordinates, self._turn, moved)
+        by = self._ties.by_independent_coordinates(self.coordinates, self._turn, moved)
+        return [derivative for (derivative,) in by]
 
     def _turn(self, link: int, leader: int | None) -> FloatArray:
         return _to_frame(self.motion, link, leader).value
@@ -616,6 +617,16 @@ class DisplacedTies:
             by_rotation += rigid.by_links(by_arm)
             guide_stiffness += by_line
         return RigidGeometricStiffness(by_rotation, guide_stiffness)
+
+
+def _united(ties: Sequence[Tie], entry: int) -> IntArray:
+    """Rows or columns, by the number of the entry, of all ties of a link, ascending."""
+    return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *(tie[entry] for tie in ties)]))
+
+
+def _parts(matrix: Matrix) -> Sequence[FloatArray]:
+    """Matrix and its rates, or a matrix without rates alone."""
+    return matrix.parts if isinstance(matrix, MatrixWithRates) else (matrix,)
 
 
 def _picked(matrix: Matrix, rows: IntArray | None, columns: IntArray) -> Matrix:

@@ -176,7 +176,7 @@ class LinkageStretch:
         self._places = [np.array(target) for target in frames.targets]
         self._independent = self.size = frames.size + others
         for number, places in enumerate(self._places):
-            dependent = frames.dependent_coordinates(number)
+            dependent, _ = frames.dependencies[number]
             places[dependent] = np.arange(self.size, self.size + len(dependent))
             self.size += len(dependent)
         spread = [*self._places, self.size + np.arange(self.guides.size)]
@@ -204,10 +204,9 @@ class LinkageStretch:
         count, first = len(motion.crank_angle), self._independent
         turn, rate = np.zeros((2, count, self.size - first, self.end_count))
         for places, ends in zip(self._places, self._frames.dependent_rows(motion), strict=True):
-            for end in ends:
-                rows = places[end.rows] - first
-                turn[:, rows[:, None], end.columns] = end.turn
-                rate[:, rows[:, None], end.columns] = end.rate
+            rows = places[ends.rows] - first
+            turn[:, rows[:, None], ends.columns] = ends.turn
+            rate[:, rows[:, None], ends.columns] = ends.rate
         if self.guides.size:
             # Coordinates of links by the displacements of ends; fixed ones are the last, zero.
             free = np.zeros((2, count, first, self.end_count))
