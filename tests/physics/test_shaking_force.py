@@ -13,17 +13,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import simpson
 
 from flexmech import (
     AttachedBody,
+    ExudynEngine,
     JointSpring,
     KinematicsRequest,
     Load,
     Mechanism,
+    MotorDrive,
     ReferenceEngine,
     ResponseRequest,
     RotatingArm,
     Spring,
+    TorqueMotor,
     example_model,
     kinematics,
     load_mechanism,
@@ -31,6 +35,7 @@ from flexmech import (
 )
 from flexmech.linkages import GROUND, AttachmentPoint
 from tests.support.mechanisms import quick_return, slider_crank
+from tests.support.sprung_frame_data import stiffened
 from tests.support.strategies import fourbar
 
 STEPS = 256
@@ -227,3 +232,36 @@ def test_the_shaft_of_a_run_up_pushes_back() -> None:
     for name in ("shaking_moment", "rigid_shaking_moment"):
         more = (runs[1][name] - runs[0][name]).values
         np.testing.assert_allclose(more, -torque, atol=1e-9 * np.abs(torque).max())
+
+
+COUPLINGS = ({}, {"coupling_stiffness": 40.0, "coupling_damping": 0.05})
+
+
+@pytest.mark.parametrize("coupling", COUPLINGS, ids=["rigid", "on a coupling"])
+def test_a_frame_bears_the_angular_momentum_of_a_rotor_behind_a_gear(
+    coupling: dict[str, float],
+) -> None:
+    """An arm and its shaft of inertia I, speed theta', rotor at n psi': -d(I theta' + n J psi')/dt.
+
+    With the n^2 J that the crank feels it was four times as great, and without the rotor a fifth.
+    """
+    ratio, rotor = 5.0, 4e-3
+    motor = TorqueMotor((0.0, 150.0), (0.6, 0.0), gear_ratio=ratio, inertia=rotor, **coupling)
+    model = load_mechanism(example_model("rotating_arm"))
+    arm = replace(model, gravity=(0.0, 0.0), linkage=RotatingArm(0.3), shaft_inertia=2e-3)
+    arm = stiffened(replace(arm, drive=MotorDrive(motor, time=0.1)), 30.0)
+    inertia = 2e-3 + float(arm.link_masses_in_order[0].moment(2))
+    asked = ResponseRequest(arm.drive, start="rigid", samples=2000, modes=1, step=5e-5)
+    runs = [kinematics(arm, KinematicsRequest(drive=arm.drive)).dataset]
+    runs += [
+        response(make(arm, 2), asked).dataset.isel(engine=0)
+        for make in (ReferenceEngine, ExudynEngine)
+    ]
+    for data in runs:
+        speed = data["crank_speed_over_time"] + data.get("crank_speed_fluctuation", 0.0)
+        momentum = (inertia * speed + rotor * data["motor_speed"]).values
+        given = simpson(data["shaking_moment"].values, x=data["time"].values)
+        assert given == pytest.approx(momentum[0] - momentum[-1], rel=5e-4)
+        of_rigid = data.get("rigid_shaking_moment", data["shaking_moment"])
+        wanted = np.interp(data["time"], runs[0]["time"], runs[0]["shaking_moment"])
+        assert of_rigid.values == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max())

@@ -7,7 +7,7 @@ import xarray as xr
 
 from flexmech.analyses.schema import Values
 from flexmech.arrays import ROUND_OFF, FloatArray
-from flexmech.linkages import InverseDynamics, continuous_angles
+from flexmech.linkages import Drive, InverseDynamics, MotorRun, continuous_angles
 from flexmech.linkages.frame_forces import ShakingForce, shaking_force
 from flexmech.mechanism import Mechanism
 from flexmech.validation import check_pair
@@ -45,11 +45,38 @@ def checked_point(point: tuple[float, float] | None) -> tuple[float, float] | No
     return float(x), float(y)
 
 
+def shaft_torque(drive: Drive, shaft_inertia: float, time: FloatArray) -> FloatArray:
+    """Torque on shaft and rotor, which the frame bears besides that on the links.
+
+    A rotor with the inertia J behind a gear of the ratio n, which keeps the sense of rotation, has
+    the angular momentum ``n J omega``: the frame bears its rate, and not ``n^2 J`` times the
+    acceleration of the crank, by which gear and motor load the crank.
+
+    Parameters
+    ----------
+    drive : Drive
+    shaft_inertia : float
+        In kg m^2, with that of a rotor that turns rigidly with the crank.
+    time : ndarray, shape (N,)
+        In s.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        In N m.
+    """
+    acceleration = drive.crank_acceleration(time)
+    if not isinstance(drive, MotorRun):
+        return shaft_inertia * acceleration
+    rotor = drive.equation.train.rigid_inertia
+    return (shaft_inertia - rotor) * acceleration + drive.rotor_torque(time)
+
+
 def shaking_of(
     mechanism: Mechanism,
     forces: InverseDynamics,
     point: tuple[float, float] | None = None,
-    shaft_torque: float | FloatArray = 0.0,
+    shaft: float | FloatArray = 0.0,
 ) -> ShakingForce:
     """Shaking force and moment of a rigid linkage.
 
@@ -61,8 +88,8 @@ def shaking_of(
         Of the mechanism.
     point : tuple of float, optional
         About which the moment is taken, m; the shaft's axis if left out.
-    shaft_torque : float or ndarray, shape (...)
-        Of the drive on the shaft itself, which turns with an acceleration, N m.
+    shaft : float or ndarray, shape (...)
+        Torque in N m on the shaft itself and on a motor's rotor; see :func:`shaft_torque`.
 
     Returns
     -------
@@ -74,7 +101,7 @@ def shaking_of(
         topology,
         motion,
         joint_force,
-        forces.driving_torque + shaft_torque,
+        forces.driving_torque + shaft,
         point,
         springs=mechanism.springs,
         joint_springs=mechanism.joint_springs,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import xarray as xr
 
 from flexmech.analyses.aspects.law import law_attributes, law_values
 from flexmech.analyses.aspects.motor import motor_attributes, motor_values, settled_values
-from flexmech.analyses.aspects.shaking import harmonic_values, shaking_of
+from flexmech.analyses.aspects.shaking import harmonic_values, shaft_torque, shaking_of
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.extremes import is_whole
 from flexmech.analyses.kinematics.positions import (
@@ -134,15 +135,13 @@ def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -
     def at(time: FloatArray) -> tuple[InverseDynamics, InverseDynamics | None]:
         return _forces(mechanism, drive.motion(mechanism.linkage, time), time, elements)
 
-    def shaft_torque(time: FloatArray) -> FloatArray:
-        return np.asarray(mechanism.shaft_inertia * drive.crank_acceleration(time))
-
+    on_shaft = partial(shaft_torque, drive, mechanism.shaft_inertia)
     cycles = drive.run_time(1.0) / drive.cycle_time
     steps = int(min(np.ceil(round(_STEPS_OF_A_CYCLE * cycles, 6)), _MOST_STEPS))
     time = drive.run_time(1.0) / steps * np.arange(steps + 1.0)
     point, step = request.moment_point, float(time[-1] - time[0]) / _PARTS_OF_A_RUN
-    values = _values(mechanism, *at(time), request, shaft_torque(time))
-    values |= extreme_values(mechanism, at, time, point, shaft_torque, step=step)
+    values = _values(mechanism, *at(time), request, on_shaft(time))
+    values |= extreme_values(mechanism, at, time, point, on_shaft, step=step)
     for name in ("least", "greatest"):
         values[f"{name}_time"] = values[f"{name}_angle"]
         values[f"{name}_angle"] = drive.crank_angle(values[f"{name}_time"])
@@ -224,7 +223,7 @@ def _values(
 ) -> Values:
     """All variables over the positions, with the names along their dimensions.
 
-    ``shaft`` is the torque in N m that the shaft's own inertia takes.
+    ``shaft`` is the torque in N m on the shaft itself and on a motor's rotor.
     """
     linkage, motion = mechanism.linkage, forces.motion
     topology, elements = linkage.topology, request.lumped_of(mechanism)

@@ -67,13 +67,14 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
     duration = _window(first, request, plan.lowest)
     parts = [
         {
-            **_history(run, motion, plan.refinement, request),
+            **_history(run, motion, plan.refinement, request, rotor_torque),
             **_peaks(run, request.drive),
             **_spectra(run, request, plan, duration),
             **driven_values(run.trajectory, request, plan.refinement),
-            **motor_of_run(run.trajectory, request, plan.refinement),
+            **motor,
         }
         for run in runs
+        for motor, rotor_torque in [motor_of_run(run.trajectory, request, plan.refinement)]
     ]
     values = {
         "engine": [engine.name for engine in engines],
@@ -138,7 +139,11 @@ def whole_turns(request: ResponseRequest) -> int:
 
 
 def _history(
-    run: EngineRun, motion: RigidMotion, refinement: int, request: ResponseRequest
+    run: EngineRun,
+    motion: RigidMotion,
+    refinement: int,
+    request: ResponseRequest,
+    rotor_torque: FloatArray | None,
 ) -> Values:
     """What a run measures at the samples asked for, and how far it may be trusted."""
     engine, trajectory = run.engine, run.trajectory[::refinement]
@@ -175,7 +180,7 @@ def _history(
         **({} if trajectory.frame is None else _errors("rotation", run.rotation_error)),
         **_shaft(trajectory, run.trajectory),
         **frame_values(engine, trajectory, run.trajectory),
-        **running_shaking(engine, trajectory, carried, request),
+        **running_shaking(engine, trajectory, carried, request, rotor_torque),
     }
 
 

@@ -25,6 +25,7 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual_vibration import LEAST_SAMPLES, StandingModes, edges, rests
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import Aspect
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linkages import ConstantSpeed, MotorRun
@@ -328,7 +329,9 @@ def with_motor(
     return [engine.with_(mechanism=own, shaft="free") for engine in engines], request
 
 
-def motor_of_run(refined: Trajectory, request: ResponseRequest, refinement: int) -> Values:
+def motor_of_run(
+    refined: Trajectory, request: ResponseRequest, refinement: int
+) -> tuple[Values, FloatArray | None]:
     """What the motor gives in a run, and how evenly the crank turns in its last turn.
 
     Parameters
@@ -343,10 +346,14 @@ def motor_of_run(refined: Trajectory, request: ResponseRequest, refinement: int)
     -------
     dict
         Empty without a motor.
+    ndarray, shape (N,), or None
+        Rate of the angular momentum of the rotor in N m at the samples asked for.
     """
+    from scipy.interpolate import CubicSpline
+
     run, shaft = request.drive, refined.shaft
     if not isinstance(run, MotorRun) or shaft is None:
-        return {}
+        return {}, None
     time = refined.time
     speed = run.crank_speed(time) + shaft.rate
     angle = run.crank_angle(time) + shaft.rotation
@@ -354,9 +361,10 @@ def motor_of_run(refined: Trajectory, request: ResponseRequest, refinement: int)
     states = states_along(train, time, angle, speed, run.states(0.0))
     given = train.motor_output(speed, states)
     values = motor_values(run, given, train.rotor_speed(speed, states))
+    # The rotor turns with a frame on springs as well.
+    spin = 0.0 if refined.frame is None else refined.frame.rate[:, 2]
+    momentum = CubicSpline(time, train.motor.inertia * (values["motor_speed"] + spin))
     mean, fluctuation = last_turn(angle, speed, time)
-    return {
-        **{name: of_time[::refinement] for name, of_time in values.items()},
-        "last_turn_speed": mean,
-        "last_turn_fluctuation": fluctuation,
-    }
+    told: Values = {name: of_time[::refinement] for name, of_time in values.items()}
+    told |= {"last_turn_speed": mean, "last_turn_fluctuation": fluctuation}
+    return told, np.asarray(momentum(time[::refinement], 1))

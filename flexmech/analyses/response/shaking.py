@@ -11,6 +11,7 @@ from flexmech.analyses.aspects.shaking import (
     harmonic_values,
     harmonics_line,
     point_text,
+    shaft_torque,
     shaking_of,
 )
 from flexmech.analyses.digits import Quantity, rounded
@@ -19,7 +20,7 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import Aspect
 from flexmech.arrays import FloatArray
-from flexmech.linkages import RigidMotion, continuous_angles
+from flexmech.linkages import MotorRun, RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import Moved
 from flexmech.linkages.frame_forces import ShakingForce, shaking_force
 from flexmech.mechanics import Engine
@@ -27,7 +28,11 @@ from flexmech.mechanics.running import Trajectory
 
 
 def running_shaking(
-    engine: Engine, trajectory: Trajectory, carried: RigidMotion, request: ResponseRequest
+    engine: Engine,
+    trajectory: Trajectory,
+    carried: RigidMotion,
+    request: ResponseRequest,
+    rotor_torque: FloatArray | None = None,
 ) -> Values:
     """Shaking force and moment along a run of elastic links, and harmonics of its last turn.
 
@@ -42,6 +47,8 @@ def running_shaking(
     carried : RigidMotion
         Of the rigid linkage at the angles that the shaft has.
     request : ResponseRequest
+    rotor_torque : ndarray, shape (N,), optional
+        Of a motor: rate of the angular momentum of its rotor in N m.
 
     Returns
     -------
@@ -52,7 +59,11 @@ def running_shaking(
     torque = trajectory.driving_torque
     if trajectory.shaft is None:
         # Of a free shaft the drive gives the torque that it has, its inertia's share included.
-        torque = torque + _shaft_torque(engine, trajectory.time, request)
+        torque = torque + shaft_torque(request.drive, mechanism.shaft_inertia, trajectory.time)
+    elif rotor_torque is not None and isinstance(request.drive, MotorRun):
+        # That of a rotor which turns rigidly with the crank is what gear and motor exert together.
+        train = request.drive.equation.train
+        torque = torque + (1.0 - (not train.is_coupled) * train.motor.gear_ratio) * rotor_torque
     found = shaking_force(
         mechanism.linkage.topology,
         carried,
@@ -84,16 +95,10 @@ def rigid_shaking(engine: Engine, motion: RigidMotion, request: ResponseRequest)
     """
     mechanism, time = engine.mechanism, request.sample_time()
     forces = mechanism.inverse_dynamics(motion, time)
-    shaft = _shaft_torque(engine, time, request)
+    shaft = shaft_torque(request.drive, mechanism.shaft_inertia, time)
     found = shaking_of(mechanism, forces, request.moment_point, shaft)
     values = _values(found, time, request, "rigid_")
     return {**values, "moment_point": np.array(found.point)}
-
-
-def _shaft_torque(engine: Engine, time: FloatArray, request: ResponseRequest) -> FloatArray:
-    """Torque of the drive on the shaft itself along a run-up, (N,)."""
-    inertia = engine.mechanism.shaft_inertia
-    return np.asarray(inertia * request.drive.crank_acceleration(time))
 
 
 def _values(

@@ -540,6 +540,16 @@ class MotorRun(Drive):
         """What the motor gives at times in s; shape (...) -> (...)."""
         return self.equation.train.motor_output(self.crank_speed(time), self.states(time))
 
+    def rotor_torque(self, time: ArrayLike) -> FloatArray:
+        """Rate of the rotor's angular momentum in N m at times in s; shape (...) -> (...)."""
+        motor = self.drive.motor
+        if self.equation.train.is_coupled:
+            at = np.clip(np.asarray(time, dtype=float), 0.0, self.time[-1])
+            acceleration = self._state_motions[1].speed(at)
+        else:
+            acceleration = self.crank_acceleration(time)
+        return motor.inertia * motor.gear_ratio * acceleration
+
     def crank_torque(self, time: ArrayLike) -> FloatArray:
         """Torque on the crank in N m, (...): of the coupling, or of gear and motor."""
         moved = self.crank_angle(time), self.crank_speed(time)
