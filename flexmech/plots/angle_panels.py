@@ -10,7 +10,6 @@ from math import lcm
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
@@ -26,7 +25,6 @@ from flexmech.plots.style import (
     Look,
     few_points,
     is_narrow,
-    line_handle,
     series_line,
     series_style,
 )
@@ -256,8 +254,8 @@ def _mark(marker: str, color: str, engine: int) -> Look:
 
 def series_and_engines(
     dataset: xr.Dataset, names: Sequence[str], along: str = "crank_angle"
-) -> list[Artist]:
-    """Legend entries of series by name, then of the engines: lines of one, marks of others.
+) -> dict[str, Look]:
+    """Legend of series by name, then of the engines: lines of one, marks of others.
 
     The marks of the series are those of the second engine, or of few points along the coordinate.
 
@@ -271,20 +269,20 @@ def series_and_engines(
 
     Returns
     -------
-    list of Artist
+    dict of str to dict
     """
     engines, few = dataset.sizes["engine"], few_points(dataset[along].values)
-    handles = []
+    legend = dict[str, Look]()
     for number, name in enumerate(names):
-        style, look = series_style(number), series_line(number)
+        style, legend[name] = series_style(number), series_line(number)
         if engines > 1 or few:
-            look = _mark(style.marker, style.color, engines - 1) | {"linestyle": style.linestyle}
-        handles.append(line_handle(name, **look))
+            look = _mark(style.marker, style.color, engines - 1)
+            legend[name] = look | {"linestyle": style.linestyle}
     first: Look = {"color": MID_GREY, "marker": "o" if few else "", "markersize": 3.0}
     for engine in range(engines):
         look = _mark("o", MID_GREY, engine) if engine else first
-        handles.append(line_handle(engine_label(dataset, engine), **look))
-    return handles
+        legend[engine_label(dataset, engine)] = look
+    return legend
 
 
 def has_many_speeds(dataset: xr.Dataset) -> bool:
@@ -312,18 +310,13 @@ def speed_lines(dataset: xr.Dataset) -> list[Look]:
     ]
 
 
-def colour_bar(drawn: Sheet, dataset: xr.Dataset) -> None:
-    """Put the scale of the crank speeds' colours beside the panels, where there are many speeds.
-
-    Parameters
-    ----------
-    drawn : Sheet
-    dataset : Dataset
-    """
-    if has_many_speeds(dataset):
-        factor, mapped = from_si(1.0, speed_unit(dataset)), _mappable(dataset)
-        mapped.set_clim(*(factor * end for end in mapped.get_clim()))
-        drawn.colour_bar(mapped, f"Crank speed ({speed_unit(dataset)})")
+def speed_colours(dataset: xr.Dataset) -> tuple[ScalarMappable, str] | None:
+    """Scale of the crank speeds' colours and its label, where there are many speeds."""
+    if not has_many_speeds(dataset):
+        return None
+    factor, mapped = from_si(1.0, speed_unit(dataset)), _mappable(dataset)
+    mapped.set_clim(*(factor * end for end in mapped.get_clim()))
+    return mapped, f"Crank speed ({speed_unit(dataset)})"
 
 
 def _mappable(dataset: xr.Dataset) -> ScalarMappable:

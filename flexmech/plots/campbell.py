@@ -6,12 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.plots import reading, scales, style
-from flexmech.plots.drawing import draw
+from flexmech.plots.drawing import figure
 from flexmech.plots.layout import grid
 from flexmech.plots.picture import Curve, Pane, Picture, Span
 from flexmech.plots.style import (
@@ -46,7 +44,8 @@ APART_UP, APART_LETTER = 0.13, 0.075
 NO_WIDTH = 1e-4
 
 
-def plot_campbell(dataset: xr.Dataset, *, ax: Axes | None = None) -> Figure:
+@figure
+def plot_campbell(dataset: xr.Dataset) -> Picture:
     """Draw bands of natural frequencies against crank speed, and where orders meet them.
 
     Filled is a branch from its lowest to its highest frequency over the crank angles; the line in
@@ -66,12 +65,6 @@ def plot_campbell(dataset: xr.Dataset, *, ax: Axes | None = None) -> Figure:
     -------
     Figure
     """
-    height = NARROW_BANDS_HEIGHT if style.is_narrow() else BANDS_HEIGHT
-    return draw(campbell_picture(dataset), grid(1, 1, height + AXES_HEIGHT), ax=ax)
-
-
-def campbell_picture(dataset: xr.Dataset) -> Picture:
-    """Bands of frequencies, rays of orders and critical speeds, as of plot_campbell."""
     shown = _shown_branches(dataset)
     top = ROOM * float(np.nanmax(dataset["highest_frequency"].sel(branch=shown).values))
     pane = Pane(
@@ -83,7 +76,9 @@ def campbell_picture(dataset: xr.Dataset) -> Picture:
     )
     label = f"Crank speed ({reading.speed_unit(dataset)})"
     title, speeds = "Campbell diagram" + _left_out(dataset, shown), reading.speeds_of(dataset)
-    return Picture([pane], label, dataset, title, over="speed", places=speeds)
+    height = NARROW_BANDS_HEIGHT if style.is_narrow() else BANDS_HEIGHT
+    layout = grid(1, 1, height + AXES_HEIGHT)
+    return Picture([pane], label, dataset, title, over="speed", places=speeds, layout=layout)
 
 
 def _shown_branches(dataset: xr.Dataset) -> list[int]:

@@ -21,9 +21,9 @@ from matplotlib.transforms import Bbox
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.plots.drawing import draw
+from flexmech.plots.drawing import draw, drawing, figure
 from flexmech.plots.drawn_linkage.sketch import LinkageSketch
-from flexmech.plots.layout import AxesLike, Sheet, sheet, tiles
+from flexmech.plots.layout import TILE, AxesLike, sheet, tiles
 from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
 from flexmech.plots.reading import degrees, mode_label
 from flexmech.plots.style import (
@@ -38,8 +38,8 @@ from flexmech.plots.style import (
 )
 from flexmech.units import from_si
 
-# Of one panel in inches; of a front, and of a panel of contours.
-PANEL, LARGE_PANEL = 2.1, 3.0
+# Of a front and of a panel of contours in inches.
+LARGE_PANEL = 3.0
 BOUND: Look = {"color": "black", "lw": 1.0, "ls": "--"}
 """Of limits."""
 
@@ -198,8 +198,7 @@ def _curves(dataset: xr.Dataset, variable: str, texts: list[str], ax: AxesLike |
             curves.append(Curve(x[which], y, look, ", ".join(line)))
         panes.append(_pane(dataset, output, variable, curves))
     title = f"Outputs over {label(dataset[variable])}"
-    picture = Picture(panes, "", dataset, title)
-    return draw(picture, tiles(len(panes), 2, PANEL), ax=ax)
+    return draw(Picture(panes, "", dataset, title), ax=ax)
 
 
 def _contours(dataset: xr.Dataset, variables: list[str], ax: AxesLike | None) -> Figure:
@@ -271,8 +270,8 @@ def _scatter(known: xr.Dataset, variables: list[str], ax: AxesLike | None) -> Fi
         heading += f": the first {MOST_PANELS} of {len(every)} pairs"
     heading += "".join(f"\n{key}" for name in variables if (key := key_of(known[name])))
     panes = [design_pane(known, *pair) for pair in pairs]
-    picture = Picture(panes, "", known, heading)
-    return draw(picture, tiles(len(panes), min(len(variables), 3), PANEL), ax=ax)
+    layout = tiles(len(panes), min(len(variables), 3))
+    return draw(Picture(panes, "", known, heading, layout=layout), ax=ax)
 
 
 def design_pane(known: xr.Dataset, output: str, variable: str) -> Pane:
@@ -365,14 +364,12 @@ def plot_pareto(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     if len(goals) < 2:
         raise InputError("one goal has one best design, and no front; plot_search draws its search")
     picture = pareto_picture(dataset)
-
-    def add_linkages(drawn: Sheet) -> None:
+    with drawing(picture, ax=ax) as drawn:
         if "rigid_position" in dataset:
             best = dataset.sortby(goals[0][1])
             for axes, pane in zip(drawn.panels, picture.panes, strict=True):
                 _draw_linkages(axes, best, pane.curves[0].x, pane.curves[0].y)
-
-    return draw(picture, tiles(len(goals) - 1, 2, LARGE_PANEL), ax=ax, finish=add_linkages)
+    return drawn.figure
 
 
 def pareto_picture(dataset: xr.Dataset) -> Picture:
@@ -392,7 +389,7 @@ def pareto_picture(dataset: xr.Dataset) -> Picture:
         for other, output in others
     ]
     title = "Designs that no other is better than in every goal"
-    return Picture(panes, "", dataset, title)
+    return Picture(panes, "", dataset, title, layout=tiles(len(panes), 2, LARGE_PANEL))
 
 
 def _draw_linkages(axes: Axes, best: xr.Dataset, x: FloatArray, y: FloatArray) -> None:
@@ -423,7 +420,8 @@ def _draw_linkages(axes: Axes, best: xr.Dataset, x: FloatArray, y: FloatArray) -
         )
 
 
-def plot_search(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_search(dataset: xr.Dataset) -> Picture:
     """Draw the best goal so far over the number of designs that were computed.
 
     Parameters
@@ -437,20 +435,13 @@ def plot_search(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    picture = search_picture(dataset)
-    return draw(picture, tiles(len(picture.panes), 2, PANEL), ax=ax)
-
-
-def search_picture(dataset: xr.Dataset) -> Picture:
-    """The best of each goal so far over the designs computed, as of plot_search."""
     at, panes = dataset["evaluations"].values.astype(float), []
     look = series_line(0) | {"drawstyle": "steps-post"}
     for sense, output in goals_of(dataset):
         own = dataset["history"].sel(goal=output).assign_attrs(dataset[output].attrs)
         curve = Curve(at, shown(own), look, "best so far that keeps every limit")
         panes.append(Pane(f"{label(dataset[output])}, {sense}", (curve,)))
-    title = "Search for the best design"
-    return Picture(panes, "Designs computed", dataset, title)
+    return Picture(panes, "Designs computed", dataset, "Search for the best design")
 
 
 # Percentiles of frequencies: of the interval of 95 % its lower end, the median, its upper end.
@@ -487,7 +478,7 @@ def plot_sensitivity(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     if "total" not in dataset:
         raise InputError(dataset.attrs["no_shares"])
     outputs = dataset["output"].values.tolist()
-    height = max(PANEL, 0.5 + 0.3 * dataset.sizes["input"])
+    height = max(TILE, 0.5 + 0.3 * dataset.sizes["input"])
     with sheet(tiles(len(outputs), 2, height), ax=ax) as drawn:
         looks = {"first_order": series_style(0).color, "total": series_style(1).color}
         handles = [
@@ -517,7 +508,8 @@ def _shares(axes: Axes, own: xr.Dataset, looks: Mapping[str, str]) -> None:
     axes.axvline(0.0, color=MID_GREY, lw=0.6)
 
 
-def plot_distributions(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_distributions(dataset: xr.Dataset) -> Picture:
     """Draw the distribution of every output, its percentiles and its limit.
 
     Parameters
@@ -539,8 +531,7 @@ def plot_distributions(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     outputs = outputs_of(dataset)
     panes = [distribution_pane(dataset, name) for name in outputs]
     title, label_y = "Distribution of the outputs", "Probability density"
-    picture = Picture(panes, "", dataset, title, label_y)
-    return draw(picture, tiles(len(outputs), 2, PANEL), ax=ax)
+    return Picture(panes, "", dataset, title, label_y)
 
 
 def distribution_pane(dataset: xr.Dataset, output: str) -> Pane:
@@ -570,7 +561,8 @@ def distribution_pane(dataset: xr.Dataset, output: str) -> Pane:
     return Pane("", (bars,), spans=spans, limits=ends, along=label(known[output]))
 
 
-def plot_frequency_bands(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_frequency_bands(dataset: xr.Dataset) -> Picture:
     """Draw the median of the natural frequencies over the crank angle, and where 95 % lie.
 
     Parameters
@@ -594,12 +586,6 @@ def plot_frequency_bands(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> 
             "there are no frequencies over the crank angle; ask for lowest_frequency or another "
             "output that is found from natural frequencies"
         )
-    layout = tiles(dataset["frequency_percentile"].sizes["mode"], 3, PANEL)
-    return draw(frequency_bands_picture(dataset), layout, ax=ax)
-
-
-def frequency_bands_picture(dataset: xr.Dataset) -> Picture:
-    """Median and 95 % interval of the frequencies, as of plot_frequency_bands."""
     bands = dataset["frequency_percentile"]
     angles, panes = degrees(bands["crank_angle"]), []
     shade: Look = {"color": series_style(0).color, "alpha": 0.3, "lw": 0}
@@ -609,4 +595,5 @@ def frequency_bands_picture(dataset: xr.Dataset) -> Picture:
         interval = Curve(angles, low, shade, "95 % of the designs", upto=high)
         panes.append(Pane("", (line, interval), title=mode_label([mode])))
     title = f"Natural frequencies of {bands.attrs['designs']} designs"
-    return over_angles(angles, panes, dataset, title, "Frequency (Hz)")
+    layout = tiles(len(panes), 3)
+    return over_angles(angles, panes, dataset, title, "Frequency (Hz)", layout=layout)

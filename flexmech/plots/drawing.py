@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import WRAPPER_ASSIGNMENTS, wraps
+from typing import Any, Protocol, cast
 
 import numpy as np
+import xarray as xr
 from matplotlib import rcParams, rcParamsDefault
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import angle_panels, scales
-from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet
+from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet, tiles
 from flexmech.plots.picture import Curve, Pane, Picture, Span
 from flexmech.plots.reading import spread
 from flexmech.plots.style import MID_GREY, Look, line_handle
@@ -40,34 +45,49 @@ NOT_IN_LEGEND = ("zorder", "ymax", "markevery", "clip_on")
 MOST_TURNING, LEAST_VEILED = 0.33, 100
 
 
-def draw(
-    picture: Picture,
-    layout: Layout,
-    *,
-    ax: AxesLike | None = None,
-    fewer: str = "",
-    legend: Sequence[Artist] | None = None,
-    by_hand: int = 0,
-    after: int = 0,
-    finish: Callable[[Sheet], None] | None = None,
-) -> Figure:
+class PlotFunction(Protocol):
+    """Function that draws a dataset: into a new figure, or into the user's axes."""
+
+    picture: Callable[[xr.Dataset], Picture]
+    """What it draws, which the page of a report shows too."""
+
+    def __call__(self, dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+        """Draw a dataset."""
+
+
+def figure(picture: Callable[[xr.Dataset], Picture]) -> PlotFunction:
+    """Make a function that says what is shown of a dataset one that draws it.
+
+    Parameters
+    ----------
+    picture : callable
+        From a dataset to its picture; its docstring is that of the function that draws.
+
+    Returns
+    -------
+    callable
+        Plot function with ``ax`` as a keyword; ``picture`` is an attribute of it.
+    """
+
+    @wraps(picture, [name for name in WRAPPER_ASSIGNMENTS if name != "__annotations__"])
+    def plot(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+        return draw(picture(dataset), ax=ax)
+
+    # Signature and types are those of the function that draws.
+    made: Any = plot
+    del made.__wrapped__
+    made.picture = picture
+    return cast(PlotFunction, made)
+
+
+def draw(picture: Picture, *, ax: AxesLike | None = None) -> Figure:
     """Draw a picture into a new figure, or into the user's axes.
 
     Parameters
     ----------
     picture : Picture
-    layout : Layout
-        Of a new figure.
     ax : Axes or sequence of Axes, optional
         The user's, one a pane.
-    fewer : str
-        Choice that leaves one pane, for the message.
-    legend : sequence of Artist, optional
-        Left out: the names of curves and spans, once.
-    by_hand, after : int
-        Panels before and after those of the picture, which it does not hold.
-    finish : callable, optional
-        Draws them, and what else no picture holds, at the end.
 
     Returns
     -------
@@ -78,37 +98,77 @@ def draw(
     InputError
         If ``ax`` is not as many Axes as there are panes.
     """
+    with drawing(picture, ax=ax) as drawn:
+        return drawn.figure
+
+
+@contextmanager
+def drawing(picture: Picture, *, ax: AxesLike | None = None) -> Iterator[Sheet]:
+    """Panels with a picture in them, to which more can be added by hand.
+
+    Parameters
+    ----------
+    picture : Picture
+    ax : Axes or sequence of Axes, optional
+        The user's, one a pane.
+
+    Yields
+    ------
+    Sheet
+
+    Raises
+    ------
+    InputError
+        If ``ax`` is not as many Axes as there are panes.
+    """
     picture = picture.in_units()
-    with sheet(layout, ax=ax, fewer=fewer) as drawn:
-        handles = _legend(picture) if legend is None else list(legend)
+    with sheet(picture.layout or _layout(picture), ax=ax, fewer=picture.fewer) as drawn:
+        handles = _legend(picture) if picture.legend is None else _handles(picture.legend)
         if any(_is_blot(drawn.panels[0], one) for pane in picture.panes for one in pane.curves):
             handles.append(Patch(color="0.35", label="envelope of the vibration", **ENVELOPE))
         drawn.header(handles, picture.title, of=picture.of)
-        own = drawn.panels[by_hand : len(drawn.panels) - after]
-        _draw_panes(replace(drawn, panels=own), picture)
-        if finish is not None:
-            finish(drawn)
-    return drawn.figure
+        _draw_panes(drawn, picture)
+        if picture.colours:
+            drawn.colour_bar(*picture.colours)
+        yield drawn
+
+
+def _layout(picture: Picture) -> Layout:
+    """Panels of a picture that has no layout of its own."""
+    count = len(picture.panes)
+    if picture.over == "time":
+        return scales.time_layout(count)
+    return angle_panels.angle_layout([1] * count) if picture.over == "angle" else tiles(count, 2)
+
+
+def _handles(legend: Mapping[str, Look]) -> list[Artist]:
+    """Legend entries of lines, and of fillings where a look has a face."""
+    return [
+        (Patch(label=name, **look) if "facecolor" in look else line_handle(name, **look))
+        for name, look in legend.items()
+    ]
 
 
 def _draw_panes(drawn: Sheet, picture: Picture) -> None:
     """Draw the panes of a picture in their units, and scale and label all axes."""
+    pairs = list(zip(drawn.panels, picture.panes, strict=True))
+    shared = replace(drawn, panels=[axes for axes, pane in pairs if not pane.apart])
     if picture.over == "angle":
-        angle_panels.label_angles(drawn, picture.places)
+        angle_panels.label_angles(shared, picture.places)
     elif picture.over == "time":
-        scales.label_times(drawn, picture.of)
+        scales.label_times(shared, picture.of)
     elif picture.over == "speed":
-        for axes in drawn.panels:
+        for axes in shared.panels:
             axes.set_xlim(*scales.speed_limits(picture.of))
     elif picture.places.size:
-        for axes in drawn.panels:
+        for axes in shared.panels:
             axes.set_xlim(float(picture.places[0]), float(picture.places[-1]))
-    for axes, pane in zip(drawn.panels, picture.panes, strict=True):
+    for axes, pane in pairs:
         draw_pane(axes, pane)
         if pane.title:
             drawn.title(axes, pane.title)
     if picture.x_label:
-        drawn.label_x(picture.x_label)
+        shared.label_x(picture.x_label)
     if picture.y_label:
         drawn.label_y(picture.y_label)
     if picture.over == "speed":
@@ -161,19 +221,34 @@ def draw_pane(axes: Axes, pane: Pane) -> None:
         else:
             axes.plot(curve.x, curve.y, **curve.look)
             _mark_lone_points(axes, curve)
-    if pane.scale != "linear":
+    if pane.scale == "signed log":
+        scales.signed_log_scale(axes, pane.ticks)
+        axes.set_ylim(pane.limits)
+    elif pane.scale != "linear":
         low, high = pane.limits or axes.get_ylim()
         scales.log_scale(axes, low, high, plain=pane.scale == "plain log")
     else:
         scales.plain_numbers(axes)
         if pane.limits:
             axes.set_ylim(*pane.limits)
+    if len(pane.x_ticks):
+        axes.set_xticks(pane.x_ticks)
+    if pane.x_limits:
+        axes.set_xlim(*pane.x_limits)
+    if pane.apart == "none":
+        axes.xaxis.set_visible(False)
+        axes.spines["bottom"].set_visible(False)
+    if pane.apart == "plane":
+        axes.set_aspect("equal", adjustable="datalim")
     if pane.ticks:
         axes.set_yticks(pane.ticks)
     if pane.named:
         axes.set_xticks(range(1, len(pane.named) + 1), pane.named)
     if pane.along:
         axes.set_xlabel(pane.along)
+    for note in pane.notes:
+        across: Look = {"transform": axes.get_xaxis_transform()} if note.high else {}
+        axes.text(note.x, note.y, note.text, **across, **note.look)
     _label_ends(axes, pane)
     if pane.label:
         axes.set_ylabel(pane.label)
@@ -185,23 +260,32 @@ def _label_ends(axes: Axes, pane: Pane) -> None:
     A curve that leaves the axes at their top has its label to the left of it, as above may stand
     another axis.
     """
-    look: Look = {"textcoords": "offset points", "color": MID_GREY}
-    look["fontsize"] = rcParams["xtick.labelsize"]
-    right = axes.get_xlim()[1]
-    named = [one for one in pane.curves if one.label and np.isfinite(one.y[-1])]
-    aside = sorted((float(one.y[-1]), one.label) for one in named if one.x[-1] >= right)
+    look: Look = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
+    right, aside = axes.get_xlim()[1], list[tuple[float, Curve]]()
+    bottom = axes.get_ylim()[0]
+    for one in pane.curves:
+        # What lies below a logarithmic axis has no place on it.
+        if not one.label or not np.isfinite(one.y[-1]) or (bottom > 0 and one.y[-1] <= 0):
+            continue
+        end = float(one.x[-1]), float(one.y[-1])
+        if one.x[-1] >= right:
+            aside.append((float((axes.transData - axes.transAxes).transform(end)[1]), one))
+            continue
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
+        inside: Look = {"xytext": (-2, -3), "ha": "right", "va": "top", "bbox": box}
+        axes.annotate(one.label, end, color=_ink(one), **inside, **look)
     height = axes.get_position().height * axes.figure.bbox.height / axes.figure.dpi
-    least = LABEL_HEIGHT / height * float(np.ptp(axes.get_ylim()))
-    places = spread(np.array([end for end, _ in aside]), least)
-    for place, (_, label) in zip(places, aside, strict=True):
-        beside: Look = {"xycoords": ("axes fraction", "data"), "va": "center"}
-        axes.annotate(label, (1.0, place), xytext=(4, 0), **beside, **look)
-    for one in named:
-        if one.x[-1] < right:
-            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
-            place = float(one.x[-1]), float(one.y[-1])
-            inside: Look = {"xytext": (-2, -3), "ha": "right", "va": "top", "bbox": box}
-            axes.annotate(one.label, place, **inside, **look)
+    aside.sort(key=lambda pair: pair[0])
+    places = spread(np.array([place for place, _ in aside]), LABEL_HEIGHT / height)
+    for place, (_, one) in zip(places, aside, strict=True):
+        beside: Look = {"xycoords": "axes fraction", "xytext": (4, 0), "va": "center"}
+        axes.annotate(one.label, (1.0, float(place)), color=_ink(one), **beside, **look)
+
+
+def _ink(curve: Curve) -> str:
+    """Colour of the words at a curve: its own, or a grey that can be read."""
+    colour = curve.look["color"]
+    return MID_GREY if np.ptp(to_rgb(colour)) == 0 else str(colour)
 
 
 def _mark_lone_points(axes: Axes, curve: Curve) -> None:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
-from matplotlib.figure import Figure
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import angle_panels, scales
-from flexmech.plots.angle_panels import colour_bar, has_many_speeds, speed_lines
-from flexmech.plots.drawing import draw
-from flexmech.plots.layout import AxesLike, grid
+from flexmech.plots.angle_panels import has_many_speeds, speed_colours, speed_lines
+from flexmech.plots.drawing import figure
+from flexmech.plots.layout import grid
 from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
 from flexmech.plots.reading import (
     at_highest_speed,
@@ -30,9 +26,6 @@ from flexmech.plots.style import (
     SERIES_STYLES,
     Look,
     few_points,
-    line_handle,
-    line_handles,
-    series_handles,
     series_line,
     series_style,
 )
@@ -70,7 +63,8 @@ ERRORS: tuple[Look, ...] = (
 )
 
 
-def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_speed_effect(dataset: xr.Dataset) -> Picture:
     """Draw the change of each frequency with crank speed, split by term, at the top speed.
 
     The terms are those of the linkage's equation of motion in link frames: geometric
@@ -123,16 +117,8 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
         title = mode_label([mode])
         panes.append(Pane("", curves, title=title, spans=(NOTHING,), limits=limits))
     title = f"Change of frequency from rest to {speed}, by term"
-    picture = over_angles(angles, panes, dataset, title, "Change of frequency (Hz)")
-    return _draw_modes(picture, ax)
-
-
-def _draw_modes(picture: Picture, ax: AxesLike | None, **options: Any) -> Figure:
-    """Draw a picture with a pane for each mode over the crank angle."""
-    layout = angle_panels.angle_layout(
-        [1] * len(picture.panes), share_y=options.pop("share_y", False)
-    )
-    return draw(picture, layout, ax=ax, fewer=angle_panels.ONE_MODE, **options)
+    label = "Change of frequency (Hz)"
+    return over_angles(angles, panes, dataset, title, label, fewer=angle_panels.ONE_MODE)
 
 
 def _small(effect: FloatArray) -> list[int]:
@@ -143,7 +129,8 @@ def _small(effect: FloatArray) -> list[int]:
     return small
 
 
-def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_hygrothermal_effect(dataset: xr.Dataset) -> Picture:
     """Draw the frequencies of both states against crank angle, one panel a mode.
 
     Parameters
@@ -176,13 +163,13 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
         sequence = np.argsort(drawn_at, kind="stable")
         drawn_at = drawn_at[sequence]
         lines = np.concatenate([frequency, between], axis=-1)[..., sequence]
-    handles = [
-        line_handle(label, color=MID_GREY, **line)
-        for label, line in zip(names_of(dataset, "state"), STATE_LINES, strict=True)
-    ]
+    states = names_of(dataset, "state")
+    legend: dict[str, Look] = {
+        n: {"color": MID_GREY, **one} for n, one in zip(states, STATE_LINES, strict=True)
+    }
     looks, texts = speed_lines(dataset) if has_many_speeds(dataset) else [], speed_texts(dataset)
     for number, text in enumerate([] if looks else texts):
-        handles.append(line_handle(text, color=series_style(number).color, linewidth=1.5))
+        legend[text] = {"color": series_style(number).color, "linewidth": 1.5}
         looks.append(series_line(number, angles))
     panes = []
     for mode, speeds in zip(dataset["mode"].values.tolist(), lines, strict=True):
@@ -194,11 +181,20 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
         limits = scales.limits_around(speeds, least_part=scales.FREQUENCY_BAND)
         panes.append(Pane("", curves, title=mode_label([mode]), limits=limits))
     title = "Natural frequencies in two states of heat and moisture"
-    picture = over_angles(angles, panes, dataset, title, "Natural frequency (Hz)")
-    return _draw_modes(picture, ax, legend=handles, finish=lambda drawn: colour_bar(drawn, dataset))
+    return over_angles(
+        angles,
+        panes,
+        dataset,
+        title,
+        "Natural frequency (Hz)",
+        legend=legend,
+        colours=speed_colours(dataset),
+        fewer=angle_panels.ONE_MODE,
+    )
 
 
-def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_vibration_effect(dataset: xr.Dataset) -> Picture:
     """Draw natural frequencies of the running linkage next to the quasi-static ones.
 
     For the highest crank speed: a panel a mode with the frequencies about the states that a
@@ -241,8 +237,7 @@ def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) ->
     ]
     panes.append(_difference(angles, 100.0 * (running / still - 1.0)))
     title = f"Natural frequencies at {speed}, {' and '.join(names)}"
-    picture = over_angles(angles, panes, dataset, title)
-    return draw(picture, layout, ax=ax, legend=_handles(modes, names))
+    return over_angles(angles, panes, dataset, title, layout=layout, legend=_legend(modes, names))
 
 
 def _affected(running: FloatArray, still: FloatArray) -> list[int]:
@@ -291,17 +286,17 @@ def _mode_mark(number: int) -> Look:
     return {"color": style.color, "marker": style.marker, "ms": MARK_SIZE, "mfc": fill}
 
 
-def _handles(modes: list[int], names: list[str]) -> list[Artist]:
-    """Legend entries: the two lines of the upper panels, then a colour and mark a mode."""
-    handles = line_handles({"running": RUNNING | {"color": "0.2"}, "quasi-static": STILL})
+def _legend(modes: list[int], names: list[str]) -> dict[str, Look]:
+    """Legend of the two lines of the upper panels, then a colour and mark a mode."""
+    legend: dict[str, Look] = {"running": RUNNING | {"color": "0.2"}, "quasi-static": STILL}
     for number, name in enumerate(names if len(names) > 1 else []):
-        mark = {"ls": "", "marker": MARKS[number % 4], "ms": MARK_SIZE}
-        handles.append(line_handle(name, color="0.2", **mark))
-    handles += [line_handle(f"mode {mode}", **_mode_mark(n)) for n, mode in enumerate(modes)]
-    return handles
+        mark: Look = {"ls": "", "marker": MARKS[number % 4], "ms": MARK_SIZE}
+        legend[name] = mark | {"color": "0.2"}
+    return legend | {f"mode {mode}": _mode_mark(number) for number, mode in enumerate(modes)}
 
 
-def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_agreement(dataset: xr.Dataset) -> Picture:
     """Draw the relative difference of two engines against crank angle, one panel a mode.
 
     Grey are the discretisation errors that the engines estimate of themselves (the largest
@@ -333,9 +328,9 @@ def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     angles, check_angles = (degrees(dataset[name]) for name in ("crank_angle", "check_angle"))
     difference, error = _relative_difference(dataset), _own_errors(dataset)
     looks, texts = speed_lines(dataset) if has_many_speeds(dataset) else [], speed_texts(dataset)
-    handles = [] if looks else series_handles(texts, angles)
+    legend = {} if looks else {text: series_line(n, angles) for n, text in enumerate(texts)}
     for engine, line in zip(names_of(dataset, "engine"), ERRORS, strict=False):
-        handles.append(line_handle(f"estimated error of {engine}", **line))
+        legend[f"estimated error of {engine}"] = line
     looks = looks or [series_line(number, angles) | {"zorder": 2.5} for number in range(len(texts))]
     limits = _decades(np.concatenate([difference.ravel(), error.ravel()]))
     panes = []
@@ -353,13 +348,16 @@ def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         panes.append(Pane("", curves, title=mode_label([mode]), limits=limits, scale="log"))
     first, second = (engine_label(dataset, engine) for engine in (0, 1))
     title = f"Frequencies of {second} against {first}"
-    picture = over_angles(angles, panes, dataset, title, "Relative difference (-)")
-    return _draw_modes(
-        picture,
-        ax,
-        share_y=True,
-        legend=handles,
-        finish=lambda drawn: colour_bar(drawn, dataset),
+    return over_angles(
+        angles,
+        panes,
+        dataset,
+        title,
+        "Relative difference (-)",
+        layout=angle_panels.angle_layout([1] * len(panes), share_y=True),
+        legend=legend,
+        colours=speed_colours(dataset),
+        fewer=angle_panels.ONE_MODE,
     )
 
 

@@ -7,17 +7,16 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.errors import InputError
 from flexmech.plots import angle_panels, reading, scales, style
-from flexmech.plots.angle_panels import Between, colour_bar, has_many_speeds, speed_lines
-from flexmech.plots.drawing import draw
+from flexmech.plots.angle_panels import Between, has_many_speeds, speed_colours, speed_lines
+from flexmech.plots.drawing import draw, figure
 from flexmech.plots.layout import AxesLike
 from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
-from flexmech.plots.style import Look, line_handle
+from flexmech.plots.style import Look
 
 # Two modes whose bands are this close in ratio can exchange branches: frequencies that veer are
 # less than a tenth apart. Modes further apart only seem to, where the crank angles are too coarse.
@@ -26,7 +25,7 @@ NEAR_BANDS = 1.1
 # Veering can last for a large part of the turn: a strip of this part of a mode's height is seen and
 # hides no line.
 VEERING_STRIP = 0.035
-STRIP: Look = {"color": "0.72", "lw": 0}
+STRIP: Look = {"facecolor": "0.72", "lw": 0}
 
 # Lines of a panel: of more crank angles the map over the angle says more.
 MOST_ANGLES = 6
@@ -39,7 +38,8 @@ MOST_SPEEDS = 6
 LEAST_BAND = 0.02
 
 
-def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_frequencies(dataset: xr.Dataset) -> Picture:
     """Draw natural frequencies against crank angle, one panel a mode, one line a speed.
 
     Modes lie far apart and the crank speed moves them by about one per cent, so each mode
@@ -60,25 +60,6 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     -------
     Figure
     """
-    picture = frequencies_picture(dataset)
-    if has_many_speeds(dataset):
-        legend = [line_handle(reading.engine_label(dataset), color=style.MID_GREY)]
-    else:
-        legend = angle_panels.series_and_engines(dataset, reading.speed_texts(dataset))
-    if any(pane.spans for pane in picture.panes):
-        legend.append(Patch(**STRIP, label="veering"))
-    return draw(
-        picture,
-        angle_panels.angle_layout([len(group) for group in mode_groups(dataset)]),
-        ax=ax,
-        fewer=angle_panels.ONE_MODE,
-        legend=legend,
-        finish=lambda drawn: colour_bar(drawn, dataset),
-    )
-
-
-def frequencies_picture(dataset: xr.Dataset) -> Picture:
-    """Natural frequencies against crank angle, as of plot_frequencies."""
     dataset = dataset.sortby("crank_angle")
     angles, panes = reading.degrees(dataset["crank_angle"]), []
     frequency, branch = (
@@ -107,7 +88,22 @@ def frequencies_picture(dataset: xr.Dataset) -> Picture:
                 limits=scales.limits_around(shown, least_part=scales.FREQUENCY_BAND),
             )
         )
-    return over_angles(angles, panes, dataset, y_label="Frequency (Hz)")
+    if looks:
+        legend: dict[str, Look] = {reading.engine_label(dataset): {"color": style.MID_GREY}}
+    else:
+        legend = angle_panels.series_and_engines(dataset, texts)
+    if any(pane.spans for pane in panes):
+        legend["veering"] = STRIP
+    return over_angles(
+        angles,
+        panes,
+        dataset,
+        y_label="Frequency (Hz)",
+        layout=angle_panels.angle_layout([len(group) for group in mode_groups(dataset)]),
+        legend=legend,
+        colours=speed_colours(dataset),
+        fewer=angle_panels.ONE_MODE,
+    )
 
 
 def mode_groups(dataset: xr.Dataset) -> list[list[int]]:
@@ -195,7 +191,8 @@ def has_no_curve_over_angle(dataset: xr.Dataset) -> bool:
     return has_few_angles(dataset) and dataset.sizes["crank_angle"] <= POINTS
 
 
-def plot_frequencies_over_speed(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_frequencies_over_speed(dataset: xr.Dataset) -> Picture:
     """Draw natural frequencies against crank speed, one panel a mode, one line a crank angle.
 
     Modes are in order of frequency at each speed. The first engine is drawn as lines, the others
@@ -230,15 +227,16 @@ def plot_frequencies_over_speed(dataset: xr.Dataset, *, ax: AxesLike | None = No
         panes.append(Pane("", curves, title=heading, limits=limits))
     label, title = reading.speed_unit(dataset), "Natural frequencies over crank speed"
     ends = np.array(scales.speed_limits(dataset))
-    picture = Picture(
-        panes, f"Crank speed ({label})", dataset, title, "Frequency (Hz)", places=ends
-    )
-    return draw(
-        picture,
-        angle_panels.angle_layout([1] * len(panes)),
-        ax=ax,
-        fewer=angle_panels.ONE_MODE,
+    return Picture(
+        panes,
+        f"Crank speed ({label})",
+        dataset,
+        title,
+        "Frequency (Hz)",
+        places=ends,
+        layout=angle_panels.angle_layout([1] * len(panes)),
         legend=angle_panels.series_and_engines(dataset, names, along="crank_speed"),
+        fewer=angle_panels.ONE_MODE,
     )
 
 
@@ -271,7 +269,7 @@ def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
             "this result has no damping by modal strain energy: give the mechanism sections "
             "with specific damping, then compute moving_frequencies"
         )
-    return _draw_damping(dataset, "strain_energy_damping", ax)
+    return draw(damping_picture(dataset, "strain_energy_damping"), ax=ax)
 
 
 def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -291,18 +289,7 @@ def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     -------
     Figure
     """
-    return _draw_damping(dataset, "damping_ratio", ax)
-
-
-def _draw_damping(dataset: xr.Dataset, name: str, ax: AxesLike | None) -> Figure:
-    modes, picture = [f"mode {m}" for m in dataset["mode"].values], damping_picture(dataset, name)
-    return draw(
-        picture,
-        angle_panels.angle_layout([1] * len(picture.panes), share_y=True),
-        ax=ax,
-        fewer="choose one speed (speeds=...)",
-        legend=angle_panels.series_and_engines(dataset, modes),
-    )
+    return draw(damping_picture(dataset, "damping_ratio"), ax=ax)
 
 
 def damping_picture(dataset: xr.Dataset, name: str) -> Picture:
@@ -342,4 +329,13 @@ def damping_picture(dataset: xr.Dataset, name: str) -> Picture:
                 angles, np.moveaxis(values, 0, -1), along.T, series
             )
         panes.append(Pane("", curves, title=text, limits=limits))
-    return over_angles(angles, panes, dataset, title, "Damping ratio (%)")
+    return over_angles(
+        angles,
+        panes,
+        dataset,
+        title,
+        "Damping ratio (%)",
+        layout=angle_panels.angle_layout([1] * len(panes), share_y=True),
+        legend=angle_panels.series_and_engines(dataset, [f"mode {mode}" for mode in modes]),
+        fewer="choose one speed (speeds=...)",
+    )

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.plots import reading, scales
-from flexmech.plots.drawing import draw, draw_pane
-from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
-from flexmech.plots.picture import ZERO, Curve, Pane, Picture, over_angles
+from flexmech.plots.drawing import figure
+from flexmech.plots.layout import grid
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, over_angles, phase_pane
 from flexmech.plots.reading import amplitudes_of, complex_values, signed, speed_text
 from flexmech.plots.style import (
     MID_GREY,
@@ -24,7 +23,6 @@ from flexmech.plots.style import (
     Look,
     is_narrow,
     line_handle,
-    line_handles,
     series_style,
 )
 
@@ -71,7 +69,8 @@ LEAST_AMPLITUDE = 1e-4
 MEASURED: Look = {"color": "0.68", "lw": 2.4}
 COMPUTED: Look = {"color": SERIES_STYLES[0].color, "lw": 0.8}
 RESIDUAL: Look = {"color": SERIES_STYLES[1].color, "lw": 0.8}
-POINTS: Look = {"ls": "", "marker": "o", "ms": 3.2, "mfc": "none", "mew": 0.9}
+# Marks at the first and last crank angle hang over the edge.
+POINTS: Look = {"ls": "", "marker": "o", "ms": 3.2, "mfc": "none", "mew": 0.9, "clip_on": False}
 COMPARED = {"measured": MEASURED, "computed": COMPUTED, "residual": RESIDUAL}
 # Of a panel and of the axes in inches: three panels, each with its own axis, fill half a page.
 PANEL_HEIGHT, COMPARED_AXES_HEIGHT = 1.35, 1.5
@@ -85,13 +84,12 @@ READ: dict[str, reading.Units] = {
     "m/(N s^2)": ((1.0, "m/(N s²)"),),
 }
 PARAMETER_UNITS: dict[str, reading.Units] = {"s": ((1e6, "µs"), (1e9, "ns"))}
-# Marks at the first and last crank angle hang over the edge by less than this part of the width.
-MARK_ROOM = 0.02
 # Depth of a spectrum below its peak that is drawn: a measured one ends there in noise.
 COMPARED_DECADES = 4.0
 
 
-def plot_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_frf(dataset: xr.Dataset) -> Picture:
     """Draw amplitude and phase of receptance, mobility and accelerance.
 
     Parameters
@@ -109,10 +107,11 @@ def plot_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         ("amplitude", np.abs),
         ("phase (deg)", scales.phase_of),
     )
-    return _draw(dataset, parts, ax)
+    return _functions(dataset, parts)
 
 
-def plot_frf_parts(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_frf_parts(dataset: xr.Dataset) -> Picture:
     """Draw real and imaginary part of receptance, mobility and accelerance.
 
     The scales are logarithmic on either side of zero, and linear around it: the first resonance
@@ -129,7 +128,7 @@ def plot_frf_parts(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     -------
     Figure
     """
-    return _draw(dataset, (("Re", np.real), ("Im", np.imag)), ax)
+    return _functions(dataset, (("Re", np.real), ("Im", np.imag)))
 
 
 def curve_handles(**measured: Any) -> list[Artist]:
@@ -159,40 +158,37 @@ def hammer_title(dataset: xr.Dataset) -> str:
     )
 
 
-def _draw(
-    dataset: xr.Dataset,
-    parts: tuple[tuple[str, Callable[[ComplexArray], FloatArray]], ...],
-    ax: AxesLike | None,
-) -> Figure:
-    data = first_angle(dataset)
+def _functions(
+    dataset: xr.Dataset, parts: tuple[tuple[str, Callable[[ComplexArray], FloatArray]], ...]
+) -> Picture:
+    """Rows of parts of receptance, mobility and accelerance."""
+    data, panes = first_angle(dataset), []
     frequency = data["frequency"].values
+    for (name, part), (response, unit, power) in product(parts, RESPONSES):
+        turned = (2j * np.pi * frequency) ** power
+        values = {curve: part(complex_values(data, curve) * turned) for curve in CURVES}
+        exact = values["exact_receptance"]
+        curves = [
+            Curve(frequency, values[curve], look, words) for curve, (words, look) in CURVES.items()
+        ]
+        if name.startswith("phase"):
+            panes.append(phase_pane(f"{response}\n{name}", curves))
+        elif name == "amplitude":
+            low, high = scales.log_limits(exact, DECADES)
+            label = f"{response}\n{name} ({unit})"
+            panes.append(Pane(label, curves, limits=(low / 2, high), scale="log"))
+        else:
+            limits, ticks = scales.signed_decades(exact, DECADES)
+            label = f"{name} {response.lower()}\n({unit})"
+            panes.append(Pane(label, curves, limits=limits, ticks=ticks, scale="signed log"))
     height = 2 * NARROW_HEIGHT if is_narrow() else 2 * ROW_HEIGHT + AXES_HEIGHT
-    layout = grid(2, 3, height, sharex=True)
-    with sheet(layout, ax=ax, fewer=BOTH) as drawn:
-        drawn.header(curve_handles(), hammer_title(dataset), of=dataset)
-        places = [(part, of) for part in parts for of in RESPONSES]
-        for axes, ((name, part), (response, unit, power)) in zip(drawn.panels, places, strict=True):
-            turned = (2j * np.pi * frequency) ** power
-            values = {curve: part(complex_values(data, curve) * turned) for curve in CURVES}
-            for curve, (_, look) in CURVES.items():
-                axes.plot(frequency, values[curve], **look)
-            axes.set_xlim(0.0, float(frequency[-1]))
-            if name.startswith("phase"):
-                scales.phase_axis(axes)
-                axes.set_ylabel(f"{response}\n{name}")
-                continue
-            if name == "amplitude":
-                axes.set_ylabel(f"{response}\n{name} ({unit})")
-                low, high = scales.log_limits(values["exact_receptance"], DECADES)
-                scales.log_scale(axes, low / 2, high)
-            else:
-                axes.set_ylabel(f"{name} {response.lower()}\n({unit})")
-                scales.signed_log_scale(axes, values["exact_receptance"], DECADES)
-        drawn.label_x("Frequency (Hz)")
-    return drawn.figure
+    layout, ends = grid(2, 3, height, sharex=True), np.array([0.0, frequency[-1]])
+    title, along = hammer_title(dataset), "Frequency (Hz)"
+    return Picture(panes, along, dataset, title, places=ends, layout=layout, fewer=BOTH)
 
 
-def plot_harmonic_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_harmonic_frf(dataset: xr.Dataset) -> Picture:
     """Draw amplitude and phase of each harmonic transfer function, a row an order.
 
     Along x is the frequency of the force; the response of order n is at that frequency and n
@@ -210,34 +206,28 @@ def plot_harmonic_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     -------
     Figure
     """
-    orders = dataset["order"].values.tolist()
+    orders, panes = dataset["order"].values.tolist(), []
     frequency = dataset["frequency"].values
     functions = {name: complex_values(dataset, name, "order", "frequency") for name in HARMONICS}
-    low, high = _limits(np.abs(list(functions.values())))
-    row_height = NARROW_ROW if is_narrow() else ROW
-    layout = grid(len(orders), 2, row_height * len(orders) + HARMONIC_AXES_HEIGHT / 2, sharex=True)
+    limits = _limits(np.abs(list(functions.values())))
+    for row, order in enumerate(orders):
+        sizes, phases = list[Curve](), list[Curve]()
+        for name, values in functions.items():
+            size, (words, look) = np.abs(values[row]), HARMONICS[name]
+            strong = np.where(size > LEAST_AMPLITUDE * size.max(), values[row], np.nan)
+            sizes.append(Curve(frequency, amplitudes_of(values[row]), look, words))
+            phases.append(Curve(frequency, scales.phase_of(strong), look, words))
+        symbol = f"H{reading.subscripts(signed(order))}"
+        panes.append(Pane(f"|{symbol}| (m/N)", sizes, limits=limits, scale="log"))
+        panes.append(phase_pane(f"\N{ANGLE}{symbol} (deg)", phases))
     attrs = dataset.attrs
     title = (
         f"From {attrs['impact_point']} at f to {attrs['response_point']} at f + n f$_{{crank}}$; "
         f"{speed_text(dataset)}, {attrs['engine']} engine"
     )
-    with sheet(layout, ax=ax) as drawn:
-        drawn.header(line_handles(dict(HARMONICS.values()))[::-1], title, of=dataset)
-        for row, order in enumerate(orders):
-            amplitude, phase = drawn.panels[2 * row : 2 * row + 2]
-            for name, values in functions.items():
-                size, look = np.abs(values[row]), HARMONICS[name][1]
-                strong = np.where(size > LEAST_AMPLITUDE * size.max(), values[row], np.nan)
-                amplitude.plot(frequency, amplitudes_of(values[row]), **look)
-                phase.plot(frequency, scales.phase_of(strong), **look)
-            scales.log_scale(amplitude, low, high)
-            amplitude.set_ylabel(f"|H$_{{{signed(order)}}}$| (m/N)")
-            scales.phase_axis(phase)
-            phase.set_ylabel(f"∠H$_{{{signed(order)}}}$ (deg)")
-            for axes in (amplitude, phase):
-                axes.set_xlim(frequency[0], frequency[-1])
-        drawn.label_x("Frequency f of the force (Hz)")
-    return drawn.figure
+    height = (NARROW_ROW if is_narrow() else ROW) * len(orders) + HARMONIC_AXES_HEIGHT / 2
+    layout, along = grid(len(orders), 2, height, sharex=True), "Frequency f of the force (Hz)"
+    return Picture(panes, along, dataset, title, places=frequency, layout=layout)
 
 
 def _limits(size: FloatArray) -> tuple[float, float]:
@@ -249,7 +239,8 @@ def _limits(size: FloatArray) -> tuple[float, float]:
     return max(least / HEADROOM, greatest * 10**-HARMONIC_DECADES), greatest * HEADROOM
 
 
-def plot_comparison(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_comparison(dataset: xr.Dataset) -> Picture:
     """Draw a measured record and the computed one in three panels.
 
     Over time: both curves with the crank angle on top, the residual, and the spectra of all three.
@@ -268,26 +259,11 @@ def plot_comparison(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     -------
     Figure
     """
-    picture, timed = comparison_picture(dataset), "time" in dataset.dims
-    rows = len(picture.panes) + timed
-
-    def finish(drawn: Sheet) -> None:
-        if timed:
-            scales.angle_axis(drawn.panels[0], dataset)
-            _draw_spectra(drawn.panels[-1], dataset)
-        for axes in drawn.panels if picture.over == "angle" else ():
-            axes.margins(x=MARK_ROOM)
-            axes.autoscale(axis="x")
-
-    layout = grid(rows, 1, rows * PANEL_HEIGHT + COMPARED_AXES_HEIGHT)
-    return draw(picture, layout, ax=ax, after=int(timed), finish=finish)
-
-
-def comparison_picture(dataset: xr.Dataset) -> Picture:
-    """A measured record, the computed one and the residual, as of plot_comparison."""
     of = {"time": _over_time, "sample": _over_angle}
     make = next((made for name, made in of.items() if name in dataset.dims), _over_frequency)
-    return replace(make(dataset), title=_compared_title(dataset))
+    picture = replace(make(dataset), title=_compared_title(dataset))
+    rows = len(picture.panes)
+    return replace(picture, layout=grid(rows, 1, rows * PANEL_HEIGHT + COMPARED_AXES_HEIGHT))
 
 
 def _compared_title(dataset: xr.Dataset) -> str:
@@ -333,29 +309,26 @@ def _over_time(dataset: xr.Dataset) -> Picture:
     panes = (
         Pane(_what(dataset), curves[:2], units, spans=(ZERO,)),
         Pane("Residual", (residual,), units, spans=(ZERO,)),
+        _spectra(dataset),
     )
-    return Picture(panes, "Time (s)", dataset, places=time)
+    return Picture(panes, "Time (s)", dataset, over="time", places=time)
 
 
-def _draw_spectra(axes: Axes, dataset: xr.Dataset) -> None:
+def _spectra(dataset: xr.Dataset) -> Pane:
     """Spectra of both curves and of the residual, in the unit of the curves."""
     units = READ[str(dataset.attrs["unit"])]
     factor, unit = reading.fitting_unit(dataset["measured"].values, units)
     amplitude = factor * dataset["spectrum"].transpose("curve", "spectrum_frequency").values
     frequency, highest = dataset["spectrum_frequency"].values, float(amplitude.max())
-    curves = _compared(frequency[1:], dict(zip(COMPARED, amplitude[:, 1:], strict=True)))
-    limits = highest * 10.0**-COMPARED_DECADES, 2 * highest
-    draw_pane(
-        axes,
-        Pane(
-            f"Amplitude ({unit})",
-            curves,
-            limits=limits,
-            scale="log",
-            along="Frequency (Hz)",
-        ),
+    return Pane(
+        f"Amplitude ({unit})",
+        _compared(frequency[1:], dict(zip(COMPARED, amplitude[:, 1:], strict=True))),
+        limits=(highest * 10.0**-COMPARED_DECADES, 2 * highest),
+        scale="log",
+        along="Frequency (Hz)",
+        x_limits=(0.0, float(frequency[-1])),
+        apart="number",
     )
-    axes.set_xlim(0.0, float(frequency[-1]))
 
 
 def _over_frequency(dataset: xr.Dataset) -> Picture:
@@ -374,7 +347,7 @@ def _over_frequency(dataset: xr.Dataset) -> Picture:
         panes.append(Pane(f"{label} ({unit})", curves, limits=(low / 1.5, high), scale="log"))
     phases = {name: np.degrees(np.angle(functions[name])) for name in ("measured", "computed")}
     phase = _compared(frequency, phases)
-    panes.insert(1, Pane("Phase (deg)", phase, limits=scales.PHASES, ticks=scales.PHASE_TICKS))
+    panes.insert(1, phase_pane("Phase (deg)", phase))
     return Picture(panes, "Frequency (Hz)", dataset, places=frequency)
 
 

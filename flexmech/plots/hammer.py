@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import style
+from flexmech.plots.drawing import figure
 from flexmech.plots.frf import (
     BLUE,
     CURVES,
@@ -23,6 +24,7 @@ from flexmech.plots.frf import (
     hammer_title,
 )
 from flexmech.plots.layout import AxesLike, grid, sheet, tiles
+from flexmech.plots.picture import Curve, Pane, Picture, Span
 from flexmech.plots.reading import (
     FORCE_UNITS,
     LENGTH_UNITS,
@@ -30,7 +32,7 @@ from flexmech.plots.reading import (
     fitting_unit,
     names_of,
 )
-from flexmech.plots.scales import plain_numbers
+from flexmech.plots.style import series_line
 
 # Of a record, three of which fill half a page, of a circle with its axes, of the chart, and of a
 # shape, which is flat; in inches.
@@ -45,7 +47,7 @@ BEFORE_PULSE, AFTER_PULSE = 2.0, 4.0
 PULSE: style.Look = {"color": "0.75", "lw": 2.6}
 DOTS: style.Look = {"marker": ".", "markersize": 4.0}
 EXACT = "exact_receptance"
-FEWER = "give one Axes a record"
+HAMMER, FEWER = "force of the hammer", "give one Axes a record"
 
 CIRCLE_DOTS: style.Look = {"marker": ".", "ms": 3.5, "ls": ""}
 # More dots on an arc than these hide the lines under them.
@@ -83,7 +85,8 @@ JOINT: style.Look = {"color": "0.8", "lw": 0.6, "zorder": 0}
 NO_GRID = "this hammer test has no grid of impacts; ask for it by grid=N (--grid N)"
 
 
-def plot_hammer(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_hammer(dataset: xr.Dataset) -> Picture:
     """Draw force pulse, response in time, and coherence over frequency.
 
     Of the response the beginning is drawn in which waves can be told from each other. Without
@@ -106,36 +109,31 @@ def plot_hammer(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     # Impacts without noise are the same.
     noisy = bool(data.attrs["noise"])
     count = min(MOST_RECORDS, data.sizes["average"]) if noisy else 1
-    rows = 2 + noisy
-    with sheet(grid(rows, 1, rows * HEIGHT), ax=ax, fewer=FEWER) as drawn:
-        handles = [style.line_handle("force of the hammer", **PULSE)]
-        for number in range(count):
-            handles.append(style.series_handle(number, f"impact {number + 1}, as recorded", **DOTS))
-        drawn.header(handles, hammer_title(dataset), of=dataset)
-        force, response, *rest = drawn.panels
-        scale, unit = fitting_unit(data["response"].values, LENGTH_UNITS)
-        of_force, unit_of_force = fitting_unit(data["pulse_force"].values, FORCE_UNITS)
-        pulse_force = of_force * data["pulse_force"].values
-        force.plot(1e3 * data["pulse_time"].values, pulse_force, **PULSE)
-        for number in reversed(range(count)):
-            look = style.series_line(number) | {"lw": 0.8}
-            recorded = of_force * data["force"].values[number]
-            force.plot(1e3 * time, recorded, **(look | DOTS))
-            response.plot(time, scale * data["response"].values[number], **look)
-        force.set_xlim(1e3 * (start - BEFORE_PULSE * pulse), 1e3 * (start + AFTER_PULSE * pulse))
-        force.set(xlabel="Time (ms)", ylabel=f"Force ({unit_of_force})")
-        plain_numbers(force)
-        end = _seen_until(time, data["response"].values[0])
-        response.set_xlim(0.0, end)
-        of_all = "" if end == time[-1] else f", beginning of a record of {time[-1]:.3g} s"
-        response.set(xlabel=f"Time (s){of_all}", ylabel=f"Displacement ({unit})")
-        for coherence in rest:
-            look = style.series_line(0) | {"lw": 0.8}
-            coherence.plot(data["frequency"].values, data["coherence"].values, **look)
-            coherence.set_xlim(0.0, float(data["frequency"].values[-1]))
-            coherence.set_ylim(min(0.0, float(np.nanmin(data["coherence"]))), 1.05)
-            coherence.set(xlabel="Frequency (Hz)", ylabel="Coherence")
-    return drawn.figure
+    forces = [Curve(1e3 * data["pulse_time"].values, data["pulse_force"].values, PULSE, HAMMER)]
+    responses = list[Curve]()
+    for number in range(count):
+        # The first impact lies above the others.
+        look = series_line(number) | {"lw": 0.8, "zorder": 2.5 - 0.01 * number}
+        name = f"impact {number + 1}, as recorded"
+        forces.append(Curve(1e3 * time, data["force"].values[number], look | DOTS, name))
+        responses.append(Curve(time, data["response"].values[number], look))
+    end = _seen_until(time, data["response"].values[0])
+    of_all = "" if end == time[-1] else f", beginning of a record of {time[-1]:.3g} s"
+    around = 1e3 * (start - BEFORE_PULSE * pulse), 1e3 * (start + AFTER_PULSE * pulse)
+    panes = [
+        Pane("Force", forces, FORCE_UNITS, along="Time (ms)", x_limits=around),
+        Pane(
+            "Displacement", responses, LENGTH_UNITS, along=f"Time (s){of_all}", x_limits=(0.0, end)
+        ),
+    ]
+    if noisy:
+        frequency, coherence = data["frequency"].values, data["coherence"].values
+        line = Curve(frequency, coherence, series_line(0) | {"lw": 0.8})
+        ends, limits = (0.0, float(frequency[-1])), (min(0.0, float(np.nanmin(coherence))), 1.05)
+        along = "Frequency (Hz)"
+        panes.append(Pane("Coherence", [line], limits=limits, along=along, x_limits=ends))
+    layout = grid(len(panes), 1, len(panes) * HEIGHT)
+    return Picture(panes, "", dataset, hammer_title(dataset), layout=layout, fewer=FEWER)
 
 
 def _seen_until(time: FloatArray, response: FloatArray) -> float:
@@ -233,7 +231,8 @@ def _draw_circle(axes: Axes, data: xr.Dataset, mode: int) -> None:
     axes.set_title(f"Mode {int(circle['mode'])}: {natural:.5g} Hz", loc="left")
 
 
-def plot_stabilisation(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_stabilisation(dataset: xr.Dataset) -> Picture:
     """Draw the poles of models of rising order over frequency, at the first crank angle.
 
     Behind them is the receptance on a logarithmic scale of its own, and dotted are the natural
@@ -258,36 +257,28 @@ def plot_stabilisation(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     """
     if "chart_order" not in dataset:
         raise InputError(NO_CHART)
-    words = dict(STATES.values()) | {"identified": IDENTIFIED}
-    words |= {"receptance, logarithmic": CURVE, "eigen model": EIGEN}
-    with sheet(grid(1, 1, CHART_HEIGHT), ax=ax) as drawn:
-        drawn.header(
-            style.line_handles(words), f"Stabilisation chart {_where(dataset)}", of=dataset
-        )
-        _draw_chart(drawn.panels[0], first_angle(dataset))
-        drawn.label_x("Frequency (Hz)")
-        drawn.label_y("Modes of the model")
-    return drawn.figure
-
-
-def _draw_chart(axes: Axes, one: xr.Dataset) -> None:
+    one = first_angle(dataset)
     orders = float(np.nanmax(one["chart_order"].values))
-    lines = one["frequency"].values
-    level = np.log(np.abs(complex_values(one, "receptance")))
+    frequency, level = one["frequency"].values, np.log(np.abs(complex_values(one, "receptance")))
     finite = np.isfinite(level)
-    low, high = level[finite].min(), level[finite].max()
-    part = (level - low) / (high - low) if high > low else np.zeros_like(level)
-    axes.plot(lines[finite], BEHIND * orders * part[finite], **CURVE)
-    for frequency in one["eigen_frequency"].values:
-        if np.isfinite(frequency):
-            axes.axvline(frequency, **EIGEN)
-    state = one["chart_state"].values
-    for name, (_, look) in STATES.items():
-        which = state == name
-        axes.plot(one["chart_frequency"].values[which], one["chart_order"].values[which], **look)
+    low, span = level[finite].min(), np.ptp(level[finite])
+    behind = BEHIND * orders * (level[finite] - low) / (span or 1.0)
+    curves = [Curve(frequency[finite], behind, CURVE, "receptance, logarithmic")]
+    for state, (words, look) in STATES.items():
+        which = one["chart_state"].values == state
+        place, order = one["chart_frequency"].values[which], one["chart_order"].values[which]
+        curves.append(Curve(place, order, look, words))
     identified = one["identified_frequency"].values
-    axes.plot(identified, np.zeros_like(identified), **IDENTIFIED)
-    axes.set(xlim=(0.0, float(lines[-1])), ylim=(0.0, 1.04 * orders))
+    curves.append(Curve(identified, np.zeros_like(identified), IDENTIFIED, "identified"))
+    spans = [
+        Span(at, at, EIGEN, "eigen model", upright=True)
+        for at in one["eigen_frequency"].values.tolist()
+        if np.isfinite(at)
+    ]
+    pane = Pane("Modes of the model", curves, spans=spans, limits=(0.0, 1.04 * orders))
+    title, ends = f"Stabilisation chart {_where(dataset)}", np.array([0.0, frequency[-1]])
+    layout = grid(1, 1, CHART_HEIGHT)
+    return Picture([pane], "Frequency (Hz)", dataset, title, places=ends, layout=layout)
 
 
 def _where(dataset: xr.Dataset) -> str:
@@ -296,7 +287,8 @@ def _where(dataset: xr.Dataset) -> str:
     return f"at crank angle {angle_text(first_angle(dataset))}, response at {response}"
 
 
-def plot_impact_shapes(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_impact_shapes(dataset: xr.Dataset) -> Picture:
     """Draw identified mode shapes over the links, on those of the eigen model.
 
     The links follow each other along the axis, a unit each. The greatest entry of an identified
@@ -325,33 +317,35 @@ def plot_impact_shapes(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     modes = np.flatnonzero(np.isfinite(data["shape_real"].values).all(axis=0))[:MOST_MODES]
     if not len(modes):
         raise InputError("no mode was identified at the first crank angle: there is no shape")
-    words = {
-        "eigen model": EIGEN_SHAPE,
-        "identified, real part": FOUND,
-        "imaginary part": IMAGINARY,
-    }
-    layout = tiles(len(modes), 2, SHAPE_HEIGHT, extra=0.3)
-    with sheet(layout, ax=ax, fewer="give one Axes a mode") as drawn:
-        drawn.header(style.line_handles(words), f"Mode shapes {_where(dataset)}", of=dataset)
-        for axes, mode in zip(drawn.panels, modes, strict=True):
-            _draw_shape(axes, data.isel(mode=int(mode)))
-        drawn.label_x("Link")
-        drawn.label_y("Displacement (-)")
-    return drawn.figure
+    panes = [_shape(data.isel(mode=int(mode))) for mode in modes]
+    return Picture(
+        panes,
+        "Link",
+        dataset,
+        f"Mode shapes {_where(dataset)}",
+        "Displacement (-)",
+        places=np.array([0.5, data.sizes["link"] + 0.5]),
+        layout=tiles(len(modes), 2, SHAPE_HEIGHT, extra=0.3),
+        fewer="give one Axes a mode",
+    )
 
 
-def _draw_shape(axes: Axes, data: xr.Dataset) -> None:
+def _shape(data: xr.Dataset) -> Pane:
+    """Shapes of a mode: the middle of link n stands at n."""
     links = names_of(data, "link")
-    own = np.array([links.index(name) for name in names_of(data, "point_link")])
-    place = own + data["point_fraction"].values
-    for number in range(len(links)):
-        which = own == number
-        axes.plot(place[which], data["eigen_shape_real"].values[which], **EIGEN_SHAPE)
-        axes.axvline(number + 1, **JOINT)
-    axes.plot(place, data["shape_imag"].values, **IMAGINARY)
-    axes.plot(place, data["shape_real"].values, **FOUND)
-    axes.set(xlim=(0.0, len(links)), ylim=(-1.15, 1.15))
-    axes.set_xticks(np.arange(len(links)) + 0.5, links)
-    axes.tick_params(axis="x", length=0)
+    number = np.array([links.index(name) for name in names_of(data, "point_link")])
+    place = number + 0.5 + data["point_fraction"].values
+    eigen, curves = data["eigen_shape_real"].values, list[Curve]()
+    for which in (number == link for link in range(len(links))):
+        curves.append(Curve(place[which], eigen[which], EIGEN_SHAPE, "eigen model"))
+    curves.append(Curve(place, data["shape_imag"].values, IMAGINARY, "imaginary part"))
+    curves.append(Curve(place, data["shape_real"].values, FOUND, "identified, real part"))
     of = f"MAC {float(data['mac']):.4f}, MCF {float(data['complexity_factor']):.2g}"
-    axes.set_title(f"Mode {int(data['mode'])}: {of}", loc="left")
+    return Pane(
+        "",
+        curves,
+        title=f"Mode {int(data['mode'])}: {of}",
+        spans=[Span(n + 0.5, n + 0.5, JOINT, upright=True) for n in range(1, len(links))],
+        limits=(-1.15, 1.15),
+        named=links,
+    )

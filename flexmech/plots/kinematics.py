@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -19,7 +19,7 @@ from matplotlib.transforms import Affine2D
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.plots import angle_panels, reading, scales, style
-from flexmech.plots.drawing import draw
+from flexmech.plots.drawing import draw, figure
 from flexmech.plots.drawn_linkage.sketch import RIGID, SMALL, LinkageSketch
 from flexmech.plots.drawn_linkage.symbols import add_symbols, drawn_posture
 from flexmech.plots.layout import AxesLike, grid, sheet
@@ -54,7 +54,8 @@ METRES = 10.0
 MARKS = {"crunode": "o", "cusp": "^"}
 
 
-def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_kinematics(dataset: xr.Dataset) -> Picture:
     """Draw angle, angular velocity and angular acceleration of each link.
 
     Parameters
@@ -69,21 +70,18 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     -------
     Figure
     """
-    return draw(link_motion_picture(dataset), grid(3, 1, 5.4, sharex=True), ax=ax)
-
-
-def link_motion_picture(dataset: xr.Dataset) -> Picture:
-    """Angle, angular velocity and angular acceleration of each link, as of plot_kinematics."""
     over, (dataset, angles) = dataset, positions(dataset)
     panes = []
     for name, words, factor, unit in MOTIONS:
         values = dataset[name].transpose("link", "crank_angle").values
         curves = series(angles, factor * values, reading.names_of(dataset, "link"), _link_line)
         panes.append(Pane(f"{words}\n({unit})", curves, spans=(ZERO,)))
-    return over_positions(over, panes, f"Motion of the links {reading.conditions(over)}")
+    title = f"Motion of the links {reading.conditions(over)}"
+    return over_positions(over, panes, title, layout=grid(3, 1, 5.4, sharex=True))
 
 
-def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_joint_forces(dataset: xr.Dataset) -> Picture:
     """Draw the force at each joint, its magnitude and both components; by lumped masses too if any.
 
     Parameters
@@ -98,15 +96,6 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     -------
     Figure
     """
-    return draw(
-        joint_forces_picture(dataset),
-        angle_panels.angle_layout([1] * dataset.sizes["joint"]),
-        ax=ax,
-    )
-
-
-def joint_forces_picture(dataset: xr.Dataset) -> Picture:
-    """Force at each joint, as of plot_joint_forces."""
     over, (dataset, angles) = dataset, positions(dataset)
     panes = []
     for joint in reading.names_of(dataset, "joint"):
@@ -121,10 +110,12 @@ def joint_forces_picture(dataset: xr.Dataset) -> Picture:
         title = reading.joint_title(dataset, joint)
         panes.append(Pane("", curves, reading.FORCE_UNITS, title, (ZERO,)))
     title = f"Joint forces {reading.conditions(over)}"
-    return over_positions(over, panes, title, "Force")
+    layout = angle_panels.angle_layout([1] * len(panes))
+    return over_positions(over, panes, title, "Force", layout=layout)
 
 
-def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_drive(dataset: xr.Dataset) -> Picture:
     """Draw driving torque and power, and the transmission angles of a four-bar.
 
     Parameters
@@ -140,12 +131,6 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    rows = 2 + ("transmission_angle" in dataset)
-    return draw(drive_picture(dataset), grid(rows, 1, 1.7 * rows + 0.3, sharex=True), ax=ax)
-
-
-def drive_picture(dataset: xr.Dataset) -> Picture:
-    """Driving torque, power and transmission angles, as of plot_drive."""
     over, (dataset, angles) = dataset, positions(dataset)
     both, panes = "transmission_angle" in dataset, []
     shown = (("driving_torque", "Torque", reading.TORQUE_UNITS), ("driving_power", "Power", POWER))
@@ -167,7 +152,8 @@ def drive_picture(dataset: xr.Dataset) -> Picture:
                 ticks=(0.0, 45.0, 90.0, 135.0, 180.0),
             )
         )
-    return over_positions(over, panes, f"Drive {reading.conditions(over)}")
+    layout = grid(len(panes), 1, 1.7 * len(panes) + 0.3, sharex=True)
+    return over_positions(over, panes, f"Drive {reading.conditions(over)}", layout=layout)
 
 
 def _link_line(number: int, points: FloatArray | None = None) -> style.Look:
@@ -182,7 +168,8 @@ def _lumped(dataset: xr.Dataset, angles: FloatArray, values: FloatArray) -> Curv
     return Curve(angles, values, LUMPED, name, followed=None)
 
 
-def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_transmission_angle(dataset: xr.Dataset) -> Picture:
     """Draw transmission angles of linkages over the crank's turn.
 
     As Elamy et al. 2023, Figure 7.
@@ -214,8 +201,8 @@ def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) 
         words = str(attrs.get("wanted_label", "wanted range"))
         spans.append(Span(low, high, {"color": style.LIGHT_GREY, "zorder": 0}, words))
     pane = Pane("Transmission angle (deg)", series(angles, values, names), spans=spans)
-    picture = over_angles(angles, [pane], dataset, str(attrs.get("title", TITLE)))
-    return draw(picture, grid(1, 1, 3.2), ax=ax)
+    title = str(attrs.get("title", TITLE))
+    return over_angles(angles, [pane], dataset, title, layout=grid(1, 1, 3.2))
 
 
 def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -289,7 +276,8 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     return drawn.figure
 
 
-def plot_coupler_angles(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_coupler_angles(dataset: xr.Dataset) -> Picture:
     """Draw the angles of coupler and rocker against the crank's, and how they change.
 
     Parameters
@@ -329,7 +317,7 @@ def plot_coupler_angles(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> F
     rows = len(panes) // 2
     layout = grid(rows, 2, ANGLE_HEIGHT if rows > 1 else ANGLE_HEIGHT / 2 + 0.5, sharex=True)
     title = "Angles of coupler and rocker"
-    return draw(over_angles(angles, panes, dataset, title), layout, ax=ax)
+    return over_angles(angles, panes, dataset, title, layout=layout)
 
 
 def _is_curve(dataset: xr.Dataset) -> bool:
@@ -505,7 +493,7 @@ def positions(dataset: xr.Dataset) -> tuple[xr.Dataset, FloatArray]:
 
 
 def over_positions(
-    dataset: xr.Dataset, panes: Sequence[Pane], title: str, y_label: str = ""
+    dataset: xr.Dataset, panes: Sequence[Pane], title: str, y_label: str = "", **options: Any
 ) -> Picture:
     """A picture over the crank angle, or over time under a law of motion.
 
@@ -516,7 +504,7 @@ def over_positions(
     panes : sequence of Pane
     title : str
     y_label : str
-        Of all axes along y; left out where they differ.
+        Of all axes along y; left out where they differ. Further fields of a picture are options.
 
     Returns
     -------
@@ -526,7 +514,7 @@ def over_positions(
     along = "Time (s)" if timed else "Crank angle (deg)"
     places = positions(dataset)[1]
     kind: Literal["number", "angle"] = "number" if timed else "angle"
-    return Picture(panes, along, dataset, title, y_label, kind, places)
+    return Picture(panes, along, dataset, title, y_label, kind, places, **options)
 
 
 def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -547,8 +535,7 @@ def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Figure
     """
     points = drawn_points(dataset)[:MOST_POINTS]
-    layout = grid(3, len(points), MOTION_HEIGHT, sharex=True, narrow=min(len(points), 2))
-    return draw(motion_picture(dataset, points), layout, ax=ax)
+    return draw(motion_picture(dataset, points), ax=ax)
 
 
 def motion_picture(dataset: xr.Dataset, points: list[str]) -> Picture:
@@ -584,7 +571,9 @@ def motion_picture(dataset: xr.Dataset, points: list[str]) -> Picture:
             heading = point.replace("$", r"\$") if row == 0 or style.is_narrow() else ""
             spans = (ZERO,) if row else ()
             panes.append(Pane(label, curves, unit, heading, spans))
-    return over_positions(over, panes, f"Motion of points {reading.conditions(over)}")
+    layout = grid(3, len(points), MOTION_HEIGHT, sharex=True, narrow=min(len(points), 2))
+    title = f"Motion of points {reading.conditions(over)}"
+    return over_positions(over, panes, title, layout=layout)
 
 
 # Of the drive, which is the same for all engines.
@@ -602,7 +591,8 @@ _PANELS: tuple[tuple[str, reading.Units, str], ...] = (
 _ACCELERATION: reading.Units = ((1.0, "rad/s²"),)
 
 
-def plot_law(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_law(dataset: xr.Dataset) -> Picture:
     """Draw angle, speed and acceleration of the crank over time, and of a run the driving power.
 
     A dotted line is where the law ends.
@@ -640,10 +630,11 @@ def plot_law(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         power = engine_panes(dataset, [("Driving\npower", dataset["driving_power"], POWER)])
         panes += [replace(pane, spans=[*pane.spans, *stop]) for pane in power]
     title = f"Motion of the crank\n{reading.conditions(dataset)}"
-    return draw(over_time(dataset, panes, title), scales.time_layout(len(panes)), ax=ax)
+    return over_time(dataset, panes, title)
 
 
-def plot_residual(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_residual(dataset: xr.Dataset) -> Picture:
     """Draw the deflection of each link after the crank has stopped, and its envelope.
 
     Parameters
@@ -673,11 +664,12 @@ def plot_residual(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         curves = (*by_engine(own["deflection"], dataset), *edges)
         panes.append(Pane(what, curves, reading.LENGTH_UNITS, spans=(ZERO,)))
     title = f"Vibration after the stop\n{reading.run_title(dataset)}"
-    picture = Picture(panes, "Time (s)", dataset, title, places=time)
-    return draw(picture, scales.time_layout(len(panes)), ax=ax)
+    layout = scales.time_layout(len(panes))
+    return Picture(panes, "Time (s)", dataset, title, places=time, layout=layout)
 
 
-def plot_motor(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_motor(dataset: xr.Dataset) -> Picture:
     """Draw the crank's speed, and torque, power and current of the motor on its own shaft.
 
     Dashed lines are the least and the greatest speed of the rigid linkage's settled motion.
@@ -695,12 +687,6 @@ def plot_motor(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    picture = motor_picture(dataset)
-    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax)
-
-
-def motor_picture(dataset: xr.Dataset) -> Picture:
-    """Speed of the crank, and torque, power and current of the motor, as of plot_motor."""
     time, speed = dataset["time"].values, dataset["crank_speed_over_time"]
     runs = "engine" in dataset["motor_torque"].dims
     settled = "elastic_settled_speed" in dataset.attrs

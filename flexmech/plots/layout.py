@@ -25,6 +25,8 @@ from flexmech.plots.style import figure_width, is_narrow, new_figure, publicatio
 
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
 MEAN_LETTER = 0.62
+# Height of a tile in inches.
+TILE = 2.1
 # Displacements below this part of a linkage's extent are not enlarged: they are round-off.
 ROUND_OFF = 1e-10
 
@@ -97,7 +99,9 @@ def grid(
     return Layout(number, height, make)
 
 
-def tiles(count: int, columns: int, panel: float, *, extra: float = 0.0, **options: Any) -> Layout:
+def tiles(
+    count: int, columns: int, panel: float = TILE, *, extra: float = 0.0, **options: Any
+) -> Layout:
     """Panels of one size in as many rows as they need; further options are those of ``grid``.
 
     Parameters

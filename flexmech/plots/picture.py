@@ -8,15 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
+from matplotlib.cm import ScalarMappable
 
 from flexmech.arrays import FloatArray
+from flexmech.plots.layout import Layout
 from flexmech.plots.reading import Units, engine_label, fitting_unit, values_of
 from flexmech.plots.style import LIGHT_GREY, Look, series_line
 
+BARS = 0.8
+"""Of the distance of two places, that all bars at a place take together."""
 Choice = Mapping[str, str]
 """What the reader of a page must have chosen for something to be shown: ``speed``, ``engine``,
 ``state`` or ``mode``, such as ``{"speed": "20 rad/s"}``; what is not named does not matter."""
@@ -92,6 +96,28 @@ class Span:
         return self.low < self.high or "facecolor" in self.look
 
 
+@dataclass(frozen=True)
+class Note:
+    """Words at a place of a pane.
+
+    Parameters
+    ----------
+    x, y : float
+        In the units of the axes, or ``y`` as a part of the height of the pane.
+    text : str
+    look : dict
+        As matplotlib names it.
+    high : bool
+        Whether ``y`` is a part of the height.
+    """
+
+    x: float
+    y: float
+    text: str
+    look: Look
+    high: bool = False
+
+
 ZERO = Span(0.0, 0.0, {"color": LIGHT_GREY, "lw": 0.6, "zorder": 0})
 """Where a quantity is zero, behind all else."""
 
@@ -114,8 +140,9 @@ class Pane:
     spans : sequence of Span
     limits : (float, float), optional
         Of the axis along y.
-    scale : {"linear", "log", "plain log"}
-        Of that axis: a logarithmic one has numbers in powers of ten, or in full.
+    scale : {"linear", "log", "plain log", "signed log"}
+        Of that axis: a logarithmic one has numbers in powers of ten, or in full, or is logarithmic
+        on either side of zero, with ticks.
     ticks : sequence of float
         Along y; empty: as matplotlib chooses them.
     height : float
@@ -124,6 +151,13 @@ class Pane:
         Label of its axis along x, where panes differ in it.
     named : sequence of str
         What stands at 1, 2, 3 and so on along x; empty: numbers.
+    notes : sequence of Note
+        A page leaves them out.
+    x_limits, x_ticks : sequence of float
+        Of the axis along x, where that is of the pane alone; empty: as matplotlib chooses them.
+    apart : {"", "number", "plane", "none"}
+        What runs along x of a pane beside those of the picture, which a page leaves out: another
+        number, a place in the plane, at one scale, or nothing.
     """
 
     label: str
@@ -132,11 +166,15 @@ class Pane:
     title: str = ""
     spans: Sequence[Span] = ()
     limits: tuple[float, float] | None = None
-    scale: Literal["linear", "log", "plain log"] = "linear"
+    scale: Literal["linear", "log", "plain log", "signed log"] = "linear"
     ticks: Sequence[float] = ()
     height: float = 1.0
     along: str = ""
     named: Sequence[str] = ()
+    notes: Sequence[Note] = ()
+    x_limits: tuple[float, float] | None = None
+    x_ticks: Sequence[float] | FloatArray = ()
+    apart: Literal["", "number", "plane", "none"] = ""
 
     def times(self, factor: float, unit: str) -> Pane:
         """The pane with its curves in a unit, which stands beside them."""
@@ -178,6 +216,15 @@ class Picture:
         speed with another unit on it, any other number, or a place in the plane, at one scale.
     places : ndarray
         Along x that the axis shall hold, ascending; empty: what the curves take.
+    layout : Layout, optional
+        Of its panes in a new figure. Left out: over time and over the crank angle a stack, or two
+        of many panes; else tiles in two columns.
+    legend : mapping of str to dict, optional
+        Looks by their labels. Left out: the names of curves and spans, once.
+    colours : (ScalarMappable, str), optional
+        Scale of colours beside the panes, and its label.
+    fewer : str
+        Choice that leaves one pane, for the message where the user's axes do not fit.
     """
 
     panes: Sequence[Pane]
@@ -187,6 +234,10 @@ class Picture:
     y_label: str = ""
     over: Literal["angle", "time", "speed", "number", "plane"] = "number"
     places: FloatArray = field(default_factory=lambda: np.zeros(0))
+    layout: Layout | None = None
+    legend: Mapping[str, Look] | None = None
+    colours: tuple[ScalarMappable, str] | None = None
+    fewer: str = ""
 
     def in_units(self) -> Picture:
         """The picture with all curves in the units in which they can be read."""
@@ -204,12 +255,18 @@ def _in_its_unit(pane: Pane) -> Pane:
 
 
 def _unit_of(panes: Sequence[Pane]) -> tuple[float, str]:
-    values = [np.ravel(curve.y) for pane in panes for curve in pane.curves]
+    curves = [curve for pane in panes for curve in pane.curves]
+    values = [np.ravel(y) for curve in curves for y in (curve.y, curve.upto) if y is not None]
     return fitting_unit(np.concatenate(values), panes[0].units)
 
 
 def over_angles(
-    angles: FloatArray, panes: Sequence[Pane], of: xr.Dataset, title: str = "", y_label: str = ""
+    angles: FloatArray,
+    panes: Sequence[Pane],
+    of: xr.Dataset,
+    title: str = "",
+    y_label: str = "",
+    **options: Any,
 ) -> Picture:
     """A picture over the crank angle.
 
@@ -220,13 +277,13 @@ def over_angles(
     panes : sequence of Pane
     of : Dataset
     title, y_label : str
-        As of :class:`Picture`.
+        As of :class:`Picture`, whose further fields are options.
 
     Returns
     -------
     Picture
     """
-    return Picture(panes, "Crank angle (deg)", of, title, y_label, "angle", angles)
+    return Picture(panes, "Crank angle (deg)", of, title, y_label, "angle", angles, **options)
 
 
 def series(
@@ -252,6 +309,39 @@ def series(
     """
     named = enumerate(zip(rows, names, strict=True))
     return [Curve(x, row, look(number, x), name) for number, (row, name) in named]
+
+
+def phase_pane(label: str, curves: Sequence[Curve]) -> Pane:
+    """A pane of phases in degrees, from half a turn below zero to half a turn above."""
+    return Pane(label, curves, limits=(-190.0, 190.0), ticks=(-180.0, -90.0, 0.0, 90.0, 180.0))
+
+
+def bars(
+    places: FloatArray, rows: Sequence[FloatArray], looks: Sequence[Look], names: Sequence[str]
+) -> list[Curve]:
+    """Bars of several series beside each other, from zero, at places a unit apart.
+
+    Parameters
+    ----------
+    places : ndarray, shape (n,)
+    rows : sequence of ndarray, shape (n,)
+        Of each series.
+    looks : sequence of dict
+        Of each series, as of a patch.
+    names : sequence of str
+        In the legend.
+
+    Returns
+    -------
+    list of Curve
+    """
+    width, curves = BARS / len(rows), []
+    for number, (row, look, name) in enumerate(zip(rows, looks, names, strict=True)):
+        left = places - BARS / 2 + number * width
+        x = np.stack([left, left + width, left + width], axis=-1).ravel()
+        height = np.stack([row, row, np.full(len(row), np.nan)], axis=-1).ravel()
+        curves.append(Curve(x, 0.0 * height, look | {"lw": 0}, name, upto=height))
+    return curves
 
 
 def by_engine(values: xr.DataArray, dataset: xr.Dataset) -> list[Curve]:

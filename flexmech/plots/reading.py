@@ -42,7 +42,7 @@ _DIMENSIONS = {
 # Relative difference up to which two speeds are the same: that by units that are typed with ten
 # digits, as in 31.41592654 rad/s.
 _SAME_SPEED = 1e-9
-_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+_SUBSCRIPTS = str.maketrans("0123456789+-", "₀₁₂₃₄₅₆₇₈₉₊₋")
 
 
 def mechanism_name(dataset: xr.Dataset) -> str:
@@ -213,7 +213,7 @@ def speeds_of(dataset: xr.Dataset, name: str = "crank_speed") -> FloatArray:
 
 
 def subscripts(number: int | str) -> str:
-    """An integer in lowered figures."""
+    """An integer, or one with its sign, in lowered figures."""
     return str(number).translate(_SUBSCRIPTS)
 
 

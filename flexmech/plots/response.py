@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import reading, scales
-from flexmech.plots.drawing import draw
+from flexmech.plots.drawing import draw, figure
 from flexmech.plots.layout import AxesLike, tiles
 from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span, by_engine
 from flexmech.plots.style import MID_GREY, POINT_SIZE, Look, series_style
@@ -29,7 +29,8 @@ RIGID: Look = {"color": "0.25", "lw": 0.6, "zorder": 3}
 MOST_FORCE_PANELS = 7
 
 
-def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_response(dataset: xr.Dataset) -> Picture:
     """Draw the deflection of each link, and bending strains in the middle, against time.
 
     One panel for the deflection of each link that is not rigid: of its middle from the line
@@ -48,13 +49,6 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    picture = response_picture(dataset)
-    fewer = "choose one link that is watched at its tip (links=...)"
-    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax, fewer=fewer)
-
-
-def response_picture(dataset: xr.Dataset) -> Picture:
-    """Deflections and strains, and the motion of a free shaft, as of plot_response."""
     links = reading.bending_links(dataset)
     strained = [name for name in links if dataset["probe"].sel(link=name) == "middle"]
     watched = [("deflection", name, reading.LENGTH_UNITS) for name in links]
@@ -64,7 +58,8 @@ def response_picture(dataset: xr.Dataset) -> Picture:
         for of, name, units in watched
     ]
     panes = [*engine_panes(dataset, shown), *shaft_panes(dataset)]
-    return over_time(dataset, panes, reading.run_title(dataset))
+    fewer = "choose one link that is watched at its tip (links=...)"
+    return over_time(dataset, panes, reading.run_title(dataset), fewer=fewer)
 
 
 def shaft_panes(dataset: xr.Dataset) -> list[Pane]:
@@ -76,7 +71,9 @@ def shaft_panes(dataset: xr.Dataset) -> list[Pane]:
     return engine_panes(dataset, [rotation, speed])
 
 
-def over_time(dataset: xr.Dataset, panes: Sequence[Pane], title: str) -> Picture:
+def over_time(
+    dataset: xr.Dataset, panes: Sequence[Pane], title: str, *, fewer: str = ""
+) -> Picture:
     """A picture against time, with the crank angle on a second axis.
 
     Parameters
@@ -84,13 +81,15 @@ def over_time(dataset: xr.Dataset, panes: Sequence[Pane], title: str) -> Picture
     dataset : Dataset
         With ``time`` and ``crank_angle``.
     panes : sequence of Pane
-    title : str
+    title, fewer : str
+        As of a picture.
 
     Returns
     -------
     Picture
     """
-    return Picture(panes, "Time (s)", dataset, title, over="time", places=dataset["time"].values)
+    time = dataset["time"].values
+    return Picture(panes, "Time (s)", dataset, title, over="time", places=time, fewer=fewer)
 
 
 def engine_panes(
@@ -139,8 +138,7 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     components = reading.names_of(dataset, "component")
     if 1 + shown.sizes["joint"] * (1 + len(components)) > MOST_FORCE_PANELS:
         components = []
-    picture = forces_picture(shown, components)
-    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax)
+    return draw(forces_picture(shown, components), ax=ax)
 
 
 def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Picture:
@@ -201,7 +199,8 @@ def _magnitude(force: xr.DataArray) -> xr.DataArray:
     return size
 
 
-def plot_frame_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_frame_motion(dataset: xr.Dataset) -> Picture:
     """Draw displacement and rotation of a frame on springs, and force on the floor, against time.
 
     Parameters
@@ -216,12 +215,6 @@ def plot_frame_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     -------
     Figure
     """
-    picture = frame_picture(dataset)
-    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax)
-
-
-def frame_picture(dataset: xr.Dataset) -> Picture:
-    """Motion of a frame on springs and force on the floor, as of plot_frame_motion."""
     along = [(one, dataset.sel(component=one)) for one in reading.names_of(dataset, "component")]
     shown = [
         (f"Frame\nalong {one}", own["frame_displacement"], reading.LENGTH_UNITS)
@@ -244,7 +237,8 @@ _OWN: Look = {"color": "0.15", "lw": 0.8, "ls": ":", "zorder": 0.5}
 _DECADES, _SEEN = 4.0, 0.01
 
 
-def plot_shaped(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_shaped(dataset: xr.Dataset) -> Picture:
     """Draw the speed of the crank and the deflection of each link, by plain and by shaped law.
 
     Of the first engine. A dotted line is where each law ends.
@@ -283,11 +277,12 @@ def plot_shaped(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         words = f"{reading.link_label(dataset, link)}\ndeflection"
         panes.append(pane(words, "deflection", reading.LENGTH_UNITS, link=link))
     title = f"Plain and shaped law, {reading.engine_label(dataset)}\n{reading.conditions(dataset)}"
-    picture = Picture(panes, "Time (s)", dataset, title, places=ends)
-    return draw(picture, scales.time_layout(len(panes)), ax=ax)
+    layout = scales.time_layout(len(panes))
+    return Picture(panes, "Time (s)", dataset, title, places=ends, layout=layout)
 
 
-def plot_move_times(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_move_times(dataset: xr.Dataset) -> Picture:
     """Draw what each mode of the standing linkage rings after the stop, over the time of the move.
 
     A panel for each mode that rings noticeably, in the deflection of the link that shows it most.
@@ -309,12 +304,6 @@ def plot_move_times(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     -------
     Figure
     """
-    picture = move_picture(dataset)
-    return draw(picture, tiles(len(picture.panes), 2, 2.1, extra=0.5), ax=ax)
-
-
-def move_picture(dataset: xr.Dataset) -> Picture:
-    """Amplitude of each mode after the stop over the time until it, as of plot_move_times."""
     found, greatest = dataset["move_amplitude"], float(dataset["move_amplitude"].max()) or 1.0
     seen = found.max([d for d in found.dims if d != "mode"]).values >= _SEEN * greatest
     modes = found["mode"].values[seen if seen.any() else slice(0, 1)].tolist()
@@ -341,8 +330,8 @@ def move_picture(dataset: xr.Dataset) -> Picture:
             )
         )
     title = f"Amplitude of each mode after the stop\n{reading.conditions(dataset)}"
-    along = "Time until the stop (s)"
-    return Picture(panes, along, dataset, title)
+    layout = tiles(len(panes), 2, extra=0.5)
+    return Picture(panes, "Time until the stop (s)", dataset, title, layout=layout)
 
 
 def _of_law(dataset: xr.Dataset, law: str, mode: int, link: str) -> list[Curve]:

@@ -19,9 +19,6 @@ from flexmech.units import from_si
 DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0, 360.0)
 """Distances of ticks at round angles."""
 
-PHASES, PHASE_TICKS = (-190.0, 190.0), (-180.0, -90.0, 0.0, 90.0, 180.0)
-"""Ends and ticks of an axis of phases in degrees."""
-
 FREQUENCY_BAND = 4e-3
 """Narrowest axis of frequencies as a part of them, four times the error by the mesh that is
 allowed: below it one would look at that."""
@@ -42,9 +39,6 @@ MOST_TURNS_IN_DEGREES = 2.05
 TURN_STEPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 # Parts of the axis between ticks, at most: numbers of degrees are longer than those of turns.
 MOST_INTERVALS, MOST_TURNS = 8, 12
-# Up to this many decades the ticks stand at 1, 2 and 5, of which the axis then has seven, beyond it
-# at powers of ten.
-FEW_DECADES = 2.3
 
 
 def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) -> None:
@@ -109,6 +103,13 @@ def plain_numbers(axes: Axes) -> None:
     )
 
 
+def ticks_within(low: float, high: float, most: int) -> FloatArray:
+    """Round numbers between two values, so many intervals of them at most."""
+    locator = ticker.MaxNLocator(most, steps=[1, 2, 2.5, 5, 10])
+    places = np.asarray(locator.tick_values(low, high))
+    return places[(places >= low) & (places <= high)]
+
+
 def limits_around(
     values: ArrayLike, *, least: float = 1e-9, least_part: float = 0.0
 ) -> tuple[float, float]:
@@ -142,40 +143,48 @@ def log_scale(axes: Axes, low: float, high: float, *, plain: bool = False) -> No
     low, high : float
         Limits of the axis.
     plain : bool
-        Whether numbers are written in full, of few decades those of 1, 2 and 5.
+        Whether numbers are written in full, with those of 1, 2 and 5 between powers of ten.
     """
     axes.set_yscale("log")
     axes.set_ylim(low, high)
     axes.yaxis.set_minor_formatter(ticker.NullFormatter())
-    few = plain and np.log10(high / low) <= FEW_DECADES
-    steps = (1.0, 2.0, 5.0) if few else (1.0,)
+    steps = (1.0, 2.0, 5.0) if plain else (1.0,)
     axes.yaxis.set_major_locator(ticker.LogLocator(subs=steps, numticks=9 if plain else 7))
     if plain:
         axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
 
 
-def signed_log_scale(axes: Axes, values: ArrayLike, decades: float) -> None:
-    """Make the y axis logarithmic on either side of zero, and linear between the least decades.
+def signed_decades(
+    values: ArrayLike, decades: float
+) -> tuple[tuple[float, float], tuple[float, ...]]:
+    """Limits and ticks of an axis that is logarithmic on either side of zero.
 
     Parameters
     ----------
-    axes : Axes
     values : array_like
         All that the axis shall hold; not a number is left out.
     decades : float
-        Below the greatest size at which the axis becomes linear.
+        Below the greatest size at which the axis becomes linear, odd.
+
+    Returns
+    -------
+    (float, float), tuple of float
     """
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     top = float(np.floor(np.log10(max(high, -low) or 1.0)))
     linear = 10.0 ** (top - decades)
     # Of values of one sign the other side is left out, but for the linear part.
     ends = (-linear if -low < linear else 2 * low), (linear if high < linear else 2 * high)
-    axes.set_yscale("symlog", linthresh=linear, linscale=0.5)
-    axes.set_ylim(*ends)
     # Every other decade from the greatest down, the least of which keeps away from zero.
     sizes = 10.0 ** np.arange(top, top - decades + 0.5, -2.0)
     ticks = np.concatenate([-sizes, [0.0], sizes[::-1]])
-    axes.set_yticks(ticks[(ticks >= ends[0]) & (ticks <= ends[1])])
+    return ends, tuple(ticks[(ticks >= ends[0]) & (ticks <= ends[1])].tolist())
+
+
+def signed_log_scale(axes: Axes, ticks: Sequence[float]) -> None:
+    """Make the y axis logarithmic on either side of zero, and linear below a tenth of its ticks."""
+    linear = 0.1 * min(abs(tick) for tick in ticks if tick)
+    axes.set_yscale("symlog", linthresh=linear, linscale=0.5)
     axes.yaxis.set_minor_locator(ticker.NullLocator())
 
 
@@ -197,22 +206,11 @@ def log_limits(values: ArrayLike, decades: float) -> tuple[float, float]:
     return max(float(np.nanmin(values)), highest * 10.0**-decades), 2.0 * highest
 
 
-def phase_axis(axes: Axes) -> None:
-    """Scale the y axis to phases in degrees, from half a turn below zero to half a turn above."""
-    axes.set_ylim(*PHASES)
-    axes.set_yticks(PHASE_TICKS)
-
-
 def phase_of(values: ComplexArray) -> FloatArray:
     """Phases in degrees from -180 to 180, broken where they leave one end for the other."""
     phase = np.asarray(np.degrees(np.angle(values)), dtype=float)
     phase[1:][np.abs(np.diff(phase)) > 180.0] = np.nan
     return phase
-
-
-def zero_line(axes: Axes) -> None:
-    """Draw where a quantity is zero, behind all else."""
-    axes.axhline(0.0, color=LIGHT_GREY, lw=0.6, zorder=0)
 
 
 def speed_limits(dataset: xr.Dataset, room: float = 0.0) -> tuple[float, float]:

@@ -8,19 +8,14 @@ from itertools import groupby
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
-from flexmech.plots.drawing import draw
-from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.picture import Curve, Pane, Picture, Span
+from flexmech.plots.drawing import figure
+from flexmech.plots.layout import grid
+from flexmech.plots.picture import Curve, Note, Pane, Picture, Span
 from flexmech.plots.reading import names_of, spread, values_of
-from flexmech.plots.style import LABEL_POINTS, TIMES, Look, line_handle, series_handle, series_line
+from flexmech.plots.style import LABEL_POINTS, TIMES, Look, series_line
 from flexmech.units import ZERO_CELSIUS, from_si
 
 # Two rows and the legend fill half a page, in inches.
@@ -35,13 +30,14 @@ LONGEST_NAME = 24
 # Greys of the plies: light enough for the lines on them, apart enough to be told.
 LIGHTEST, DARKEST = 0.96, 0.80
 # A line between layers that have one shade and different angles.
-BETWEEN_LAYERS: Look = {"ec": "0.70", "lw": 0.3, "zorder": 0.5}
+BETWEEN_LAYERS: Look = {"edgecolor": "0.70", "lw": 0.3, "zorder": 0.5}
 # Two lines closer than this fraction of the largest value are one: they would be drawn as one.
 SAME = 1e-6
 # Right edge of the drawn stack and left edge of its names, over the panel's width: names take most.
 STACK_EDGE, NAME_EDGE = 0.20, 0.30
 # Numbers of the styles of lines.
 COUPLED, UNCOUPLED, THIRD_ORDER = 0, 1, 2
+PLAIN = "classical theory, shear by equilibrium"
 NEUTRAL_AXIS: Look = {"ls": (0.0, (8.0, 2.0, 1.5, 2.0)), "color": "black", "lw": 0.9}
 MASS_AXIS = NEUTRAL_AXIS | {"ls": (0.0, (1.5, 1.5))}
 
@@ -78,7 +74,8 @@ class _Run:
     """Number of its first layer."""
 
 
-def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_section(dataset: xr.Dataset) -> Picture:
     """Draw strain and stress of a link under unit loads against the place in its thickness.
 
     An axial force along the pins' axis, a bending moment and a shear force, each alone. Where
@@ -103,43 +100,91 @@ def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    for dimension in ("layer", "point"):
-        dataset = dataset.dropna(dimension, how="all", subset=["place"])
+    dataset = _with_places(dataset)
     runs, across = _runs(dataset), dataset["direction_of_layers"] == "across width"
-    kinds = _kinds(runs) if across else {}
-    profiles = [
-        _lines_of_kinds(dataset, list(kinds.values()), *profile)
-        if across
-        else _lines(dataset, *profile)
-        for profile in PROFILES
-    ]
-    place = 1e3 * dataset["place"].values
-    named = len(runs) <= MOST_NAMES
-    layout = grid(2, 3, 2 * PANEL_HEIGHT + 0.9, narrow=2, sharey=True, gridspec_kw={"wspace": 0.06})
-    with sheet(layout, ax=ax) as drawn:
-        link = str(dataset["link"].item()).capitalize()
-        handles = _handles(dataset, set().union(*profiles), [] if named else runs, kinds)
-        title = f"{link}: through the thickness under unit loads on the pins' axis"
-        drawn.header(handles, title, of=dataset)
-        stack = drawn.panels[LAYERS_PANEL]
-        for axes in drawn.panels:
-            edge = STACK_EDGE if axes is stack else 1.0
-            for run in () if across else runs:
-                axes.axhspan(run.low, run.high, xmax=edge, fc=run.shade, **BETWEEN_LAYERS)
-            axes.set_ylim(place.min(), place.max())
-            scales.plain_numbers(axes)
-        of_profiles = [axes for axes in drawn.panels if axes is not stack]
-        for axes, lines, profile in zip(of_profiles, profiles, PROFILES, strict=True):
-            _draw_profile(axes, dataset, lines, *profile)
-        _draw_axes_of_section(stack, dataset)
-        if across:
-            _stand_layers(stack, runs)
-        elif named:
-            _name_layers(stack, runs)
-        drawn.label_y("Place y from the pins' axis (mm)")
-        if drawn.is_new:
-            drawn.figure.align_xlabels(of_profiles)
-    return drawn.figure
+    named, place = len(runs) <= MOST_NAMES, 1e3 * dataset["place"].values
+    zero = Span(0.0, 0.0, {"color": style.MID_GREY, "lw": 0.5, "zorder": 2}, upright=True)
+    neutral = 1e3 * float(dataset["neutral_axis"])
+    thin: Look = {"color": style.MID_GREY, "ls": NEUTRAL_AXIS["ls"], "lw": 0.7, "zorder": 2}
+    spans = [zero, Span(neutral, neutral, thin), *([] if across else _shades(runs, 1.0))]
+    panes, legend = list[Pane](), dict[str, Look]()
+    for name, load in PROFILES:
+        curves = profile_curves(dataset, name, load)
+        legend |= {one.name: one.look for one in curves}
+        factor, unit = _scaled(dataset, name, load)
+        turned = [
+            replace(one, x=factor * one.y, y=one.x, look=one.look | {"zorder": 3}) for one in curves
+        ]
+        ends = np.concatenate([[0.0], *(one.x for one in turned)])
+        low, high = float(ends.min()), float(ends.max())
+        room, what = 0.08 * ((high - low) or 1.0), name.replace("_", " ").capitalize()
+        panes.append(
+            Pane(
+                "",
+                turned,
+                title=f"{what}, {LOADS[load]}",
+                spans=spans,
+                along=f"{what} ({unit})",
+                x_limits=(low - room * (low < 0), high + room * (high > 0)),
+                x_ticks=scales.ticks_within(low, high, 5),
+            )
+        )
+    panes.insert(LAYERS_PANEL, _stack(dataset, runs, across=bool(across), named=named))
+    limits = float(place.min()), float(place.max())
+    legend |= {words: look for words, (_, look) in _axes_of(dataset).items()}
+    for run in [] if named else runs:
+        grey: Look = {"facecolor": run.shade, "edgecolor": style.MID_GREY, "lw": 0.6}
+        legend[_short(run.ply, LONGEST_NAME)] = grey
+    return Picture(
+        [replace(pane, limits=limits) for pane in panes],
+        "",
+        dataset,
+        f"{str(dataset['link'].item()).capitalize()}: through the thickness under unit loads on "
+        "the pins' axis",
+        "Place y from the pins' axis (mm)",
+        layout=grid(
+            2, 3, 2 * PANEL_HEIGHT + 0.9, narrow=2, sharey=True, gridspec_kw={"wspace": 0.06}
+        ),
+        legend=legend,
+    )
+
+
+def _shades(runs: list[_Run], edge: float) -> list[Span]:
+    """Layers on each other, up to a part of the width of a pane."""
+    looks = [{"facecolor": run.shade, "xmax": edge, **BETWEEN_LAYERS} for run in runs]
+    return [Span(run.low, run.high, look) for run, look in zip(runs, looks, strict=True)]
+
+
+def _stack(dataset: xr.Dataset, runs: list[_Run], *, across: bool, named: bool) -> Pane:
+    """The layers with their names, the neutral axis and the mass axis."""
+    curves, edge = list[Curve](), np.array([0.0, STACK_EDGE])
+    for place, look in _axes_of(dataset).values():
+        curves.append(Curve(edge, np.full(2, place), look | {"zorder": 3}))
+    spans, notes = [] if across else _shades(runs, STACK_EDGE), list[Note]()
+    low, high = runs[0].low, runs[-1].high
+    if across:
+        # Side by side, the names of their kinds beside them.
+        for run in runs:
+            left, right = (STACK_EDGE * (x - low) / (high - low) for x in (run.low, run.high))
+            grey = {"facecolor": run.shade, **BETWEEN_LAYERS}
+            spans.append(Span(left, right, grey, upright=True))
+        text = "\n".join(["From left to right:", *(run.text for run in runs[:MOST_NAMES])])
+        notes = [Note(NAME_EDGE, 0.0, text, {"fontsize": LABEL_POINTS, "va": "center"})]
+    elif named:
+        size = min(LABEL_POINTS, INSIDE / (LINE * len(runs)))
+        step = LINE * size / INSIDE * (high - low)  # a line of text in mm of the link
+        middles = np.array([(run.low + run.high) / 2 for run in runs])
+        # First apart, then inside: what is pushed in at one end pushes its neighbours.
+        rows = step * np.arange(len(runs))
+        inside = low + step / 2, high - step / 2 - rows[-1]
+        names = np.clip(spread(middles, step) - rows, *inside) + rows
+        leader: Look = {"color": style.MID_GREY, "lw": 0.5}
+        for run, middle, name in zip(runs, middles, names.tolist(), strict=True):
+            x = np.array([STACK_EDGE, NAME_EDGE - 0.02])
+            curves.append(Curve(x, np.array([middle, name]), leader))
+            notes.append(Note(NAME_EDGE, name, run.text, {"fontsize": size, "va": "center"}))
+    layers: Look = {"title": "Layers", "x_limits": (0.0, 1.0), "apart": "none"}
+    return Pane("", curves, spans=spans, notes=notes, **layers)
 
 
 def _runs(dataset: xr.Dataset) -> list[_Run]:
@@ -166,37 +211,67 @@ def _short(name: str, longest: int) -> str:
     return cut.replace("$", r"\$")
 
 
-def _draw_profile(
-    axes: Axes, dataset: xr.Dataset, lines: dict[int, FloatArray], name: str, load: str
-) -> None:
-    """One quantity under one load; jumps at interfaces are drawn along them."""
-    what = name.replace("_", " ").capitalize()
-    factor, unit = _scaled(dataset, name, load)
-    for number, values in lines.items():
-        place = 1e3 * _flat(dataset["place"])[: len(values)]
-        axes.plot(factor * values, place, **series_line(number), zorder=3)
-    axes.axvline(0.0, color=style.MID_GREY, lw=0.5, zorder=2)
-    neutral = 1e3 * float(dataset["neutral_axis"])
-    axes.axhline(neutral, color=style.MID_GREY, ls=NEUTRAL_AXIS["ls"], lw=0.7, zorder=2)
-    ends = factor * np.concatenate([[0.0], *lines.values()])
-    low, high = float(ends.min()), float(ends.max())
-    room = 0.08 * ((high - low) or 1.0)
-    axes.set_xlim(low - room * (low < 0), high + room * (high > 0))
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10]))
-    axes.set(title=f"{what}, {LOADS[load]}", xlabel=f"{what} ({unit})")
+def profile_curves(dataset: xr.Dataset, name: str, load: str) -> list[Curve]:
+    """A quantity under a unit load over the place in mm: what there is to tell apart of it.
 
+    With and without axial-bending coupling, and the shear stress by the third-order theory; of
+    layers across the width a line for each kind of ply. What would lie on the main line, the last,
+    is left out.
 
-def _lines(dataset: xr.Dataset, name: str, load: str) -> dict[int, FloatArray]:
-    """What there is to draw of a quantity, by the number of its style, the main line last."""
+    Parameters
+    ----------
+    dataset : Dataset
+        As of :func:`plot_section`.
+    name : {"strain", "normal_stress", "shear_stress"}
+    load : {"axial_force", "bending_moment", "shear_force"}
+
+    Returns
+    -------
+    list of Curve
+        In the SI unit.
+    """
+    dataset = _with_places(dataset)
     under = dataset.sel(load=load)
+    if dataset["direction_of_layers"] == "across width":
+        kinds = _kinds(_runs(dataset))
+        rows = values_of(under[name].sel(coupling="with"), "layer", "point")[[*kinds.values()]]
+        same = np.abs(rows - rows[0]).max() <= SAME * np.abs(rows).max()
+        place = 1e3 * values_of(dataset["place"], "layer", "point")[0]
+        names = [PLAIN] if same else list(kinds)
+        return [
+            Curve(place, row, series_line(number), words)
+            for number, (row, words) in enumerate(zip(rows, names, strict=False))
+        ]
     coupled = _flat(under[name].sel(coupling="with"))
-    others = {UNCOUPLED: _flat(under[name].sel(coupling="without"))}
+    lines = {UNCOUPLED: _flat(under[name].sel(coupling="without"))}
     if name == "shear_stress":
         third_order = _flat(under["third_order_shear_stress"].sel(coupling="with"))
-        others = {THIRD_ORDER: third_order} | others
+        lines = {THIRD_ORDER: third_order} | lines
     least = SAME * np.abs(coupled).max()
-    apart = {n: values for n, values in others.items() if np.abs(values - coupled).max() > least}
-    return apart | {COUPLED: coupled}
+    apart = {n: values for n, values in lines.items() if np.abs(values - coupled).max() > least}
+    labels = {UNCOUPLED: "without coupling", THIRD_ORDER: "shear stress by third-order theory"}
+    labels[COUPLED] = "with coupling" if _is_coupled(dataset) else PLAIN
+    return [
+        Curve(1e3 * _flat(dataset["place"]), values, series_line(number), labels[number])
+        for number, values in (apart | {COUPLED: coupled}).items()
+    ]
+
+
+def _with_places(dataset: xr.Dataset) -> xr.Dataset:
+    """The part of a dataset whose layers and points have a place."""
+    for dimension in ("layer", "point"):
+        dataset = dataset.dropna(dimension, how="all", subset=["place"])
+    return dataset
+
+
+def _is_coupled(dataset: xr.Dataset) -> bool:
+    """Whether the axial-bending coupling changes the stress in the section."""
+    stress = dataset["normal_stress"]
+    apart = abs(stress.sel(coupling="with") - stress.sel(coupling="without")).max(
+        ("layer", "point")
+    )
+    largest = abs(stress.sel(coupling="with")).max(("layer", "point"))
+    return bool((apart > SAME * largest).any())
 
 
 def _kinds(runs: list[_Run]) -> dict[str, int]:
@@ -205,16 +280,6 @@ def _kinds(runs: list[_Run]) -> dict[str, int]:
     for run in runs:
         first.setdefault(run.text.split(f" {TIMES} ")[0], run.first)
     return first
-
-
-def _lines_of_kinds(
-    dataset: xr.Dataset, layers: list[int], name: str, load: str
-) -> dict[int, FloatArray]:
-    """Of layers across the width: a line for one of each kind, or one where all are alike."""
-    rows = values_of(dataset[name].sel(load=load, coupling="with"), "layer", "point")[layers]
-    if np.abs(rows - rows[0]).max() <= SAME * np.abs(rows).max():
-        rows = rows[:1]
-    return dict(enumerate(rows))
 
 
 def _flat(values: xr.DataArray) -> FloatArray:
@@ -231,40 +296,6 @@ def _scaled(dataset: xr.Dataset, name: str, load: str) -> tuple[float, str]:
     return 10.0**-power, PASCAL.get(power, f"{ten} Pa")
 
 
-def _draw_axes_of_section(axes: Axes, dataset: xr.Dataset) -> None:
-    """The neutral axis and the mass axis, across the stack of layers."""
-    axes.set(title="Layers", xlim=(0.0, 1.0))
-    axes.xaxis.set_visible(False)
-    axes.spines["bottom"].set_visible(False)
-    for place, look in _axes_of(dataset).values():
-        axes.plot([0.0, STACK_EDGE], [place, place], **look, zorder=3)
-
-
-def _name_layers(axes: Axes, runs: list[_Run]) -> None:
-    """Names of the layers beside their shades."""
-    middles = np.array([(run.low + run.high) / 2 for run in runs])
-    low, high = runs[0].low, runs[-1].high
-    size = min(LABEL_POINTS, INSIDE / (LINE * len(runs)))
-    step = LINE * size / INSIDE * (high - low)  # a line of text in mm of the link
-    # First apart, then inside: what is pushed in at one end pushes its neighbours.
-    rows = step * np.arange(len(runs))
-    inside = low + step / 2, high - step / 2 - rows[-1]
-    names = np.clip(spread(middles, step) - rows, *inside) + rows
-    for run, middle, name in zip(runs, middles, names, strict=True):
-        axes.plot([STACK_EDGE, NAME_EDGE - 0.02], [middle, name], color=style.MID_GREY, lw=0.5)
-        axes.text(NAME_EDGE, name, run.text, fontsize=size, va="center")
-
-
-def _stand_layers(axes: Axes, runs: list[_Run]) -> None:
-    """Layers across the width side by side, the names of their kinds beside them."""
-    low, high = runs[0].low, runs[-1].high
-    for run in runs:
-        left, right = (STACK_EDGE * (x - low) / (high - low) for x in (run.low, run.high))
-        axes.axvspan(left, right, fc=run.shade, **BETWEEN_LAYERS)
-    text = "\n".join(run.text for run in runs[:MOST_NAMES])
-    axes.text(NAME_EDGE, 0.0, f"From left to right:\n{text}", fontsize=LABEL_POINTS, va="center")
-
-
 def _axes_of(dataset: xr.Dataset) -> dict[str, tuple[float, Look]]:
     """Places in mm and looks of the neutral axis and the mass axis, or of both in one."""
     neutral, mass = (1e3 * float(dataset[name]) for name in ("neutral_axis", "mass_axis"))
@@ -273,23 +304,8 @@ def _axes_of(dataset: xr.Dataset) -> dict[str, tuple[float, Look]]:
     return {"neutral axis": (neutral, NEUTRAL_AXIS), "centre of mass": (mass, MASS_AXIS)}
 
 
-def _handles(
-    dataset: xr.Dataset, numbers: set[int], runs: list[_Run], kinds: dict[str, int]
-) -> list[Artist]:
-    """Legend entries of lines by the numbers of their styles, of axes, and of plies."""
-    labels = {UNCOUPLED: "without coupling", THIRD_ORDER: "shear stress by third-order theory"}
-    alone = "classical theory, shear by equilibrium"
-    labels[COUPLED] = "with coupling" if UNCOUPLED in numbers else alone
-    if len(kinds) > 1:
-        labels = dict(enumerate(kinds))
-    handles = [series_handle(n, labels[n]) for n in sorted(numbers)]
-    handles += [line_handle(label, **look) for label, (_, look) in _axes_of(dataset).items()]
-    for ply, shade in dict.fromkeys((run.ply, run.shade) for run in runs):
-        handles.append(Patch(fc=shade, ec=style.MID_GREY, lw=0.6, label=_short(ply, LONGEST_NAME)))
-    return handles
-
-
-def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_moisture(dataset: xr.Dataset) -> Picture:
     """Draw moisture profiles of links and their uptake against the root of time.
 
     Parameters
@@ -307,7 +323,6 @@ def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Figure
         One row a link: profiles on the left, uptake on the right.
     """
-    unit = _time_unit(dataset)
     attrs = dataset.attrs
     title = (
         f"Moisture at {100 * attrs['relative_humidity']:.4g} % relative humidity, "
@@ -319,12 +334,8 @@ def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         # The axes of a column are labelled below the last of them.
         panes = [replace(pane, along="") for pane in panes[:-2]] + panes[-2:]
     row = NARROW_ROW_HEIGHT if style.is_narrow() else ROW_HEIGHT
-    return draw(
-        Picture(panes, "", dataset, title),
-        grid(len(links), 2, row * len(links) + 0.5, sharex="col"),
-        ax=ax,
-        legend=_moisture_handles(dataset, unit),
-    )
+    layout = grid(len(links), 2, row * len(links) + 0.5, sharex="col")
+    return Picture(panes, "", dataset, title, layout=layout)
 
 
 def _time_unit(dataset: xr.Dataset) -> str:
@@ -343,16 +354,6 @@ def _colours(dataset: xr.Dataset) -> list[tuple[float, float, float, float]]:
     """Dark to light with time, told apart in grey as well."""
     places = np.linspace(0.0, 0.85, dataset.sizes["profile_time"])
     return [mpl.colormaps["viridis"](place) for place in places]
-
-
-def _moisture_handles(dataset: xr.Dataset, unit: str) -> list[Artist]:
-    handles = [
-        line_handle(words, color=colour)
-        for words, colour in zip(_after(dataset), _colours(dataset), strict=True)
-    ]
-    handles.append(line_handle("finite volumes", color="black"))
-    laws = {n: label for n, (name, label) in LAWS.items() if dataset[name].count()}
-    return [*handles, *(series_handle(number, label) for number, label in laws.items())]
 
 
 def profile_pane(dataset: xr.Dataset, link: str) -> Pane:
@@ -382,7 +383,8 @@ def uptake_pane(dataset: xr.Dataset, link: str) -> Pane:
     root = np.sqrt(own["time"].values * from_si(1.0, unit))
     curves = [Curve(root, own["uptake"].values, {"color": "black"}, "finite volumes")]
     for number, (name, words) in LAWS.items():
-        curves.append(Curve(root, own[name].values, series_line(number), words))
+        if own[name].count():
+            curves.append(Curve(root, own[name].values, series_line(number), words))
     return Pane(
         "Share of equilibrium",
         curves,

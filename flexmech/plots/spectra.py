@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import matplotlib.patheffects as effects
 import numpy as np
 import xarray as xr
@@ -12,9 +14,9 @@ from matplotlib.figure import Figure
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import reading, scales, style
-from flexmech.plots.drawing import draw
-from flexmech.plots.layout import AxesLike, Layout, Sheet, grid, sheet
-from flexmech.plots.picture import Curve, Pane, Picture, Span
+from flexmech.plots.drawing import drawing
+from flexmech.plots.layout import AxesLike, Layout, grid, sheet
+from flexmech.plots.picture import Curve, Note, Pane, Picture, Span
 from flexmech.plots.style import Look, line_handle, series_line, series_style
 
 ONE_LINK = "choose one link (links=...)"
@@ -64,32 +66,35 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    picture, bands = spectrum_picture(dataset), _bands(dataset)
-
-    def finish(drawn: Sheet) -> None:
-        _label_bands(drawn.panels[0], bands)
+    picture = spectrum_picture(dataset)
+    with drawing(picture, ax=ax) as drawn:
         # A law of motion has no orders.
         if "drive" not in dataset.attrs:
             turning = abs(float(dataset.attrs["crank_speed"])) / (2 * np.pi)
             _order_axis(drawn.panels, turning, float(picture.places[-1]))
-
-    layout = _layout(len(picture.panes), 1.5, 2.2)
-    return draw(picture, layout, ax=ax, fewer=ONE_LINK, finish=finish)
+    return drawn.figure
 
 
 def spectrum_picture(dataset: xr.Dataset) -> Picture:
     """Spectra of deflections over the bands of natural frequencies, as of plot_spectrum."""
-    bands = _bands(dataset).values()
-    highest = max((high for _, high in bands), default=np.inf)
+    bands = _bands(dataset)
+    highest = max((high for _, high in bands.values()), default=np.inf)
     limit = min(float(dataset["spectrum_frequency"].max()), REACH * highest)
     within = dataset.sel(spectrum_frequency=slice(0.0, limit))
     spans = tuple(
-        Span(*band, BAND, "predicted natural frequencies", upright=True) for band in bands
+        Span(*band, BAND, "predicted natural frequencies", upright=True) for band in bands.values()
     )
-    panes = [_pane(within, link, spans) for link in reading.bending_links(dataset)]
-    ends = np.array([0.0, limit])
-    title = reading.run_title(dataset)
-    return Picture(panes, "Frequency (Hz)", dataset, title, places=ends)
+    first, *others = (_pane(within, link, spans) for link in reading.bending_links(dataset))
+    panes = [replace(first, notes=_names_of_bands(bands, limit)), *others]
+    return Picture(
+        panes,
+        "Frequency (Hz)",
+        dataset,
+        reading.run_title(dataset),
+        places=np.array([0.0, limit]),
+        layout=_layout(len(panes), 1.5, 2.2),
+        fewer=ONE_LINK,
+    )
 
 
 def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -209,17 +214,15 @@ def _bands(dataset: xr.Dataset) -> dict[int, tuple[float, float]]:
     return {int(mode): (float(a), float(b)) for mode, a, b in zip(modes, *ends, strict=True)}
 
 
-def _label_bands(axes: Axes, bands: dict[int, tuple[float, float]]) -> None:
-    """Write f1, f2, ... over the bands, apart from each other where bands are close."""
-    limit = axes.get_xlim()[1]
-    wanted = np.array([(low + high) / 2 / limit for low, high in bands.values()])
+def _names_of_bands(bands: dict[int, tuple[float, float]], limit: float) -> list[Note]:
+    """f1, f2, ... over the bands, apart from each other where bands are close."""
+    wanted = np.array([(low + high) / 2 for low, high in bands.values()])
+    room = limit * LABEL_ROOM / (style.figure_width() - style.BESIDE_PANELS)
     look: Look = {"ha": "center", "va": "top", "fontsize": 8, "color": "0.25"}
-    for place, mode in zip(
-        reading.spread(wanted, LABEL_ROOM / (style.figure_width() - style.BESIDE_PANELS)),
-        bands,
-        strict=True,
-    ):
-        axes.text(place, 0.985, f"$f_{{{mode}}}$", transform=axes.transAxes, **look)
+    return [
+        Note(float(place), 0.985, f"$f_{{{mode}}}$", look, high=True)
+        for place, mode in zip(reading.spread(wanted, room), bands, strict=True)
+    ]
 
 
 def _pane(dataset: xr.Dataset, link: str, spans: tuple[Span, ...]) -> Pane:

@@ -18,22 +18,20 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.errors import InputError
 from flexmech.plots import scales, style
 from flexmech.plots.campbell import ROOM
-from flexmech.plots.drawing import draw
-from flexmech.plots.layout import AxesLike, Sheet, grid, sheet, tiles
-from flexmech.plots.picture import Choice, Curve, Pane, Picture, Span
+from flexmech.plots.drawing import figure
+from flexmech.plots.layout import AxesLike, grid, sheet, tiles
+from flexmech.plots.picture import Choice, Curve, Note, Pane, Picture, Span
 from flexmech.plots.reading import (
     cell_edges,
     engine_label,
     speed_unit,
     speeds_of,
-    spread,
     subscripts,
     values_of,
 )
@@ -180,26 +178,25 @@ def speed_spans(dataset: xr.Dataset) -> tuple[Span, ...]:
     return tuple(spans)
 
 
-def name_bands(axes: Axes, dataset: xr.Dataset) -> None:
-    """Write the names of the fastest growing bands upright over them, at the top of axes.
+def _names_of_bands(dataset: xr.Dataset) -> list[Note]:
+    """Names of the fastest growing bands upright over them, at the top of axes.
 
     A band that has no room beside those that grow faster has no name: a name that stood beside its
     band would be read as its neighbour's.
     """
     most, part = NARROW_NAMES if style.is_narrow() else NAMES
     bands = sorted(unstable_bands(dataset), key=lambda band: -band.growth)
-    low, high = axes.get_xlim()
-    width, taken = part * (high - low), list[float]()
+    low, high = scales.speed_limits(dataset)
+    width, notes = part * (high - low), list[Note]()
     look: Look = {"rotation": 90, "ha": "center", "va": "top", "fontsize": LABEL_POINTS}
     look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.75}
     for band in bands:
         place = float(np.clip((band.low + band.high) / 2, low + width / 2, high - width / 2))
         slow = band.growth < LEAST_NAMED * bands[0].growth
-        if slow or any(abs(place - other) < width for other in taken) or len(taken) == most:
+        if slow or any(abs(place - other.x) < width for other in notes) or len(notes) == most:
             continue
-        taken.append(place)
-        across = axes.get_xaxis_transform()
-        axes.text(place, 0.98, band.name, transform=across, zorder=5, **look)
+        notes.append(Note(place, 0.98, band.name, look | {"zorder": 5}, high=True))
+    return notes
 
 
 def gap_handles(state: NDArray[np.str_]) -> list[Artist]:
@@ -227,7 +224,8 @@ def _name(band: xr.Dataset) -> str:
     return f"{one}{sign}{other} = {order}f"
 
 
-def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_stability(dataset: xr.Dataset) -> Picture:
     """Draw growth rate and largest multiplier against crank speed, and name the unstable bands.
 
     Shaded are the unstable bands of the first engine, each with what meets there: f₁ and f₃ are
@@ -254,23 +252,11 @@ def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     """
     if not np.isfinite(dataset["growth_rate"]).any():
         raise InputError(NOTHING)
-    heights = [GROWTH_HEIGHT, MODULUS_HEIGHT]
-    layout = grid(2, 1, sum(heights) + style.AXES_HEIGHT, sharex=True, height_ratios=heights)
-    return draw(
-        stability_picture(dataset),
-        layout,
-        ax=ax,
-        fewer=BOTH,
-        finish=lambda drawn: name_bands(drawn.panels[0], dataset),
-    )
-
-
-def stability_picture(dataset: xr.Dataset) -> Picture:
-    """Growth rate and modulus over crank speed, as of plot_stability."""
     speeds, spans, panes = speeds_of(dataset), speed_spans(dataset), []
-    for part, middle, label in (
-        (1, 0.0, "Growth rate (1/s)"),
-        (2, 1.0, "Largest modulus\nof a multiplier"),
+    names = _names_of_bands(dataset)
+    for part, middle, label, notes in (
+        (1, 0.0, "Growth rate (1/s)", names),
+        (2, 1.0, "Largest modulus\nof a multiplier", ()),
     ):
         curves = []
         for number in range(dataset.sizes["engine"]):
@@ -283,9 +269,13 @@ def stability_picture(dataset: xr.Dataset) -> Picture:
             curves.append(Curve(known[0], known[part], look, name, followed=followed))
         limits, scale = _scale(_with_equilibrium(dataset, part) - middle, middle)
         across = (*spans, Span(middle, middle, ZERO))
-        panes.append(Pane(label, curves, spans=across, limits=limits, scale=scale, height=1.5))
+        look = {"limits": limits, "scale": scale, "height": 1.5}
+        panes.append(Pane(label, curves, spans=across, notes=notes, **look))
     along, title = f"Crank speed ({speed_unit(dataset)})", "Stability of the running linkage"
-    return Picture(panes, along, dataset, title, over="speed", places=speeds)
+    heights = [GROWTH_HEIGHT, MODULUS_HEIGHT]
+    layout = grid(2, 1, sum(heights) + style.AXES_HEIGHT, sharex=True, height_ratios=heights)
+    look = {"over": "speed", "places": speeds, "layout": layout, "fewer": BOTH}
+    return Picture(panes, along, dataset, title, **look)
 
 
 def _with_equilibrium(dataset: xr.Dataset, part: int) -> FloatArray:
@@ -471,7 +461,8 @@ MOST_BRANCHES = 4
 LEAST_SHARE = 1e-4
 
 
-def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_floquet_frequencies(dataset: xr.Dataset) -> Picture:
     """Draw the Floquet frequencies of the first engine over the bands of moving frequencies.
 
     A point is the frequency of a Floquet mode's largest harmonic. Filled is each natural
@@ -512,14 +503,8 @@ def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None)
         scale="plain log",
     )
     label = f"Crank speed ({speed_unit(dataset)})"
-    picture = Picture([pane], label, dataset, "Floquet frequencies", over="speed", places=speed)
-
-    def number(drawn: Sheet) -> None:
-        (axes,) = drawn.panels
-        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
-        _number_branches(axes, dataset)
-
-    return draw(picture, grid(1, 1, height + style.AXES_HEIGHT), ax=ax, finish=number)
+    layout, title = grid(1, 1, height + style.AXES_HEIGHT), "Floquet frequencies"
+    return Picture([pane], label, dataset, title, over="speed", places=speed, layout=layout)
 
 
 def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -600,23 +585,11 @@ def _moving(dataset: xr.Dataset) -> list[Curve]:
         curves.append(
             Curve(speed, lowest[branch], band, "moving frequencies", upto=highest[branch])
         )
-        curves.append(Curve(speed, mean[branch], {"color": color, "lw": 0.6, "ls": dashes}))
+        name = str(dataset["branch"].values[branch])
+        curves.append(
+            Curve(speed, mean[branch], {"color": color, "lw": 0.6, "ls": dashes}, label=name)
+        )
     return curves
-
-
-def _number_branches(axes: Axes, dataset: xr.Dataset) -> None:
-    """Numbers of the branches beside the right edge, at their means, spread to be read."""
-    if not dataset.sizes["moving_speed"]:
-        return
-    mean = values_of(dataset["mean_frequency"], "branch", "moving_speed")[:, -1]
-    # Where the linkage is statically unstable there is no frequency.
-    upward = np.argsort(mean)[int((mean <= 0).sum()) :]
-    bottom, top = np.log(axes.get_ylim())
-    heights = np.exp(spread(np.log(mean[upward]), NUMBER_HEIGHT * (top - bottom)))
-    look: Look = {"fontsize": style.LABEL_POINTS, "va": "center", "textcoords": "offset points"}
-    for number, height in zip(dataset["branch"].values[upward].tolist(), heights, strict=True):
-        place, color = (axes.get_xlim()[1], height), series_style(number - 1).color
-        axes.annotate(str(number), place, xytext=(3, 0), color=color, **look)
 
 
 def _points(branch: int) -> Look:

@@ -13,14 +13,15 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import reading, scales, style
+from flexmech.plots.drawing import figure
 from flexmech.plots.drawn_linkage.sketch import LinkageSketch, clearance
 from flexmech.plots.drawn_linkage.symbols import drawn_posture
 from flexmech.plots.layout import AxesLike, grid, height_of, sheet
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture
 
 # Without the palest, which are not seen beside white, and the darkest, which are near to that of
 # parts that fail.
@@ -232,7 +233,8 @@ _MARKS: dict[str, style.Look] = {
 }
 
 
-def plot_internal_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_internal_forces(dataset: xr.Dataset) -> Picture:
     """Draw axial force, shear force and bending moment along each link, with their envelopes.
 
     The envelope lies between the least and the greatest value of the turn at each place; a line
@@ -258,48 +260,46 @@ def plot_internal_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> 
         if kind == "link":
             worst[str(part)] = float(angle)
     angles = dataset["crank_angle"].values
+    panes, in_units = [], {name: _in_unit(dataset[name][0], units) for name, _, units in FORCES}
+    for link in links:
+        place = 1e3 * dataset["position"].sel(link=link).values
+        known = np.isfinite(place)
+        most = NARROW_NUMBERS if style.is_narrow() else NUMBERS
+        ticks = scales.ticks_within(float(place[known].min()), float(place[known].max()), most)
+        at = f"\n(line: {np.degrees(worst[link]):.4g}°)" if link in worst else ""
+        for variable, words, _ in FORCES:
+            values, unit = in_units[variable]
+            of_link = values.sel(link=link).values[:, known]
+            low, high = of_link.min(axis=0), of_link.max(axis=0)
+            band: style.Look = {"color": style.LIGHT_GREY, "lw": 0.0}
+            curves = [Curve(place[known], low, band, "envelope over the turn", upto=high)]
+            curves += [Curve(place[known], edge, _EDGE) for edge in (low, high)]
+            if link in worst:
+                line = of_link[int(np.abs(angles - worst[link]).argmin())]
+                curves.append(Curve(place[known], line, _LINE, "at the angle nearest to failure"))
+            symbol = words.split()[-1] if style.is_narrow() else words
+            panes.append(
+                Pane(
+                    f"{link}{at}" if variable == FORCES[0][0] else "",
+                    curves,
+                    title=f"{symbol} ({unit})" if link == links[0] else "",
+                    spans=(ZERO,),
+                    along="Place (mm)" if link == links[-1] else "",
+                    x_ticks=ticks,
+                )
+            )
     columns = len(FORCES)
-    height = PANEL * len(links) + 0.4
-    layout = grid(len(links), columns, height, narrow=columns, sharex="row")
-    with sheet(layout, ax=ax) as drawn:
-        handles = [
-            style.line_handle("envelope over the turn", color=_BAND, lw=6.0),
-            style.line_handle("at the crank angle nearest to failure", **_LINE),
-        ]
-        title = f"Internal forces along the links at {_drive_text(dataset)}"
-        drawn.header(handles, title, of=dataset)
-        for column, (variable, words, units) in enumerate(FORCES):
-            values = reading.values_of(dataset[variable][0], "link", "crank_angle", "station")
-            factor, unit = reading.fitting_unit(values[np.isfinite(values)], units)
-            symbol = words.split()[-1]
-            drawn.panels[column].set_title(f"{symbol if style.is_narrow() else words} ({unit})")
-            for row, link in enumerate(links):
-                axes = drawn.panels[row * columns + column]
-                place = 1e3 * dataset["position"].sel(link=link).values
-                kept = np.isfinite(place)
-                own = factor * values[row][:, kept]
-                _draw_envelope(axes, place[kept], own)
-                if link in worst:
-                    number = int(np.abs(angles - worst[link]).argmin())
-                    axes.plot(place[kept], own[number], **_LINE)
-                if column == 0:
-                    at = f"\n(line: {np.degrees(worst[link]):.4g}°)" if link in worst else ""
-                    axes.set_ylabel(f"{link}{at}")
-        drawn.label_x("Place (mm)", slice(-columns, None))
-    return drawn.figure
+    layout = grid(len(links), columns, PANEL * len(links) + 0.4, narrow=columns, sharex="row")
+    title = f"Internal forces along the links at {_drive_text(dataset)}"
+    return Picture(panes, "", dataset, title, layout=layout)
 
 
-def _draw_envelope(axes: Axes, place: FloatArray, values: FloatArray) -> None:
-    """Draw the least and the greatest of values (A, k) at places (k,)."""
-    low, high = values.min(axis=0), values.max(axis=0)
-    axes.fill_between(place, low, high, color=_BAND, lw=0)
-    for edge in (low, high):
-        axes.plot(place, edge, color=style.MID_GREY, lw=0.7)
-    scales.zero_line(axes)
-    axes.xaxis.set_major_locator(MaxNLocator(NARROW_NUMBERS if style.is_narrow() else NUMBERS))
-    axes.yaxis.set_major_locator(MaxNLocator(NUMBERS))
-    scales.plain_numbers(axes)
+def _in_unit(force: xr.DataArray, units: reading.Units) -> tuple[xr.DataArray, str]:
+    """Internal forces (crank_angle, station) of links in one unit."""
+    values = force.transpose("link", "crank_angle", "station")
+    factor, unit = reading.fitting_unit(values.values[np.isfinite(values.values)], units)
+    return factor * values, unit
 
 
-_BAND = style.LIGHT_GREY
+_EDGE: style.Look = {"color": style.MID_GREY, "lw": 0.7}
 _LINE: style.Look = {"color": style.series_style(1).color, "lw": 1.4}

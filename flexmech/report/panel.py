@@ -181,7 +181,8 @@ def plotted(name: str, picture: Picture, title: str = "") -> Plot:
     -------
     Plot
     """
-    shown = picture.in_units()
+    panes = [pane for pane in picture.panes if not pane.apart]
+    shown = replace(picture, panes=panes).in_units()
     alone = (LEAST_HEIGHT - FRAME_HEIGHT) / PANE_HEIGHT if len(shown.panes) == 1 else 1.0
     axes = tuple(
         YAxis(

@@ -88,12 +88,15 @@ def test_a_section_is_drawn_over_its_height_with_and_without_coupling() -> None:
 
 
 def test_harmonics_of_the_shaking_force_are_bars_of_each_order() -> None:
-    data, (force, _) = (
-        data_of(plots.plot_shaking_orders),
-        panels(figure_of(plots.plot_shaking_orders)),
+    data = data_of(plots.plot_shaking_orders)
+    force, _ = panels(figure_of(plots.plot_shaking_orders))
+    bars = [path.get_extents() for path in force.collections[0].get_paths()]
+    np.testing.assert_allclose([(bar.x0 + bar.x1) / 2 for bar in bars], data["order"])
+    np.testing.assert_allclose([bar.height for bar in bars], data["shaking_force_order"], atol=1e-9)
+    shown = dict(
+        zip(force.get_xticks(), [tick.get_text() for tick in force.get_xticklabels()], strict=True)
     )
-    heights = [bar.get_height() for bar in force.patches]
-    np.testing.assert_allclose(heights, data["shaking_force_order"].values.ravel()[: len(heights)])
+    assert shown == {float(order): str(order) for order in data["order"].values.tolist()}
 
 
 def test_designs_within_and_beyond_the_limit_are_told_apart() -> None:

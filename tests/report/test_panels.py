@@ -125,7 +125,7 @@ SHOWN: dict[Callable[[], flexmech.Result], list[Shown]] = {
     results.running_hammer: [
         Shown(
             "harmonic-response",
-            "Order +1 (m/N)",
+            "|H₊₁| (m/N)",
             "running linkage",
             lambda d: np.hypot(d["receptance_real"], d["receptance_imag"]).sel(order=1),
         )

@@ -8,17 +8,16 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from flexmech import plots
 from flexmech.analyses import Table
 from flexmech.plots.designs import (
     design_pane,
     distribution_pane,
-    frequency_bands_picture,
     goals_of,
     key_of,
     label,
     outputs_of,
     pareto_picture,
-    search_picture,
     short_name,
     varying,
 )
@@ -44,12 +43,12 @@ def sweep_panel(result: DesignSweep, results: Results) -> panel.Panel:
     variables, outputs = varying(data), outputs_of(data)
     thinned = [f"plots over {name}" for name in variables[MOST_VARIABLES:]]
     thinned += [f"plots of {name}" for name in outputs[MOST_OUTPUTS:]]
-    plots = [
+    shown = [
         _over_variable(known, name, outputs[:MOST_OUTPUTS], number)
         for number, name in enumerate(variables[:MOST_VARIABLES], 1)
         if known.sizes["design"]
     ]
-    return panel.panel_of("designs", result.summary(), plots=tuple(plots), thinned=tuple(thinned))
+    return panel.panel_of("designs", result.summary(), plots=tuple(shown), thinned=tuple(thinned))
 
 
 def _over_variable(known: xr.Dataset, variable: str, outputs: Sequence[str], number: int) -> Plot:
@@ -65,13 +64,13 @@ def uncertainty_panel(result: Uncertainty, results: Results) -> panel.Panel:
     """How many designs are below each value, shares of the inputs, and bands of frequencies."""
     data, outputs = result.dataset, result.dataset["output"].values.tolist()
     known = (data["status"].values == "ok").any()
-    plots = [_distribution(data, name) for name in outputs[:MOST_OUTPUTS] if known]
+    shown = [_distribution(data, name) for name in outputs[:MOST_OUTPUTS] if known]
     if "total" in data:
-        plots.append(_shares(data, outputs[:MOST_OUTPUTS]))
+        shown.append(_shares(data, outputs[:MOST_OUTPUTS]))
     if "frequency_percentile" in data:
-        plots.append(plotted("frequency-bands", frequency_bands_picture(data)))
+        shown.append(plotted("frequency-bands", plots.plot_frequency_bands.picture(data)))
     thinned = tuple(f"plots of {name}" for name in outputs[MOST_OUTPUTS:])
-    return panel.panel_of("uncertainty", result.summary(), plots=tuple(plots), thinned=thinned)
+    return panel.panel_of("uncertainty", result.summary(), plots=tuple(shown), thinned=thinned)
 
 
 def _distribution(data: xr.Dataset, output: str) -> Plot:
@@ -103,15 +102,15 @@ def _shares(data: xr.Dataset, outputs: Sequence[str]) -> Plot:
 def optimum_panel(result: Optimum, results: Results) -> panel.Panel:
     """What one goal costs of the other, the search, and what both engines say of the best."""
     data, goals = result.dataset, goals_of(result.dataset)
-    plots = [plotted("search", search_picture(data), "The search")]
+    shown = [plotted("search", plots.plot_search.picture(data), "The search")]
     if len(goals) > 1:
         front = pareto_picture(data)
         front = replace(front, x_label=front.panes[0].along)
-        plots.insert(0, plotted("pareto", front, "What one goal costs of the other"))
+        shown.insert(0, plotted("pareto", front, "What one goal costs of the other"))
     return panel.panel_of(
         "optimum",
         result.summary(),
-        plots=tuple(plots),
+        plots=tuple(shown),
         folded=(_checked(data),),
         engines=" and ".join(data["checking_engine"].values.tolist()),
     )

@@ -9,16 +9,15 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
+from flexmech import plots
 from flexmech.analyses import CampbellDiagram, MovingFrequencies, StabilityMap, Table
 from flexmech.analyses.digits import decimals_of, with_error
 from flexmech.analyses.frequencies.damping import error_of_damping
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.arrays import FloatArray
-from flexmech.plots.campbell import campbell_picture
-from flexmech.plots.frequencies import damping_picture, frequencies_picture
+from flexmech.plots.frequencies import damping_picture
 from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import degrees, names_of, speed_label
-from flexmech.plots.stability import stability_picture
 from flexmech.report import panel
 from flexmech.report.panel import Plot, plotted
 from flexmech.report.results import (
@@ -119,7 +118,7 @@ def _frequency_plot(result: MovingFrequencies, unit: str) -> Plot:
     chosen = {speed_label(one, unit): {"speed": speed_name(one, unit)} for one in speeds}
 
     def picture(data: xr.Dataset) -> Picture:
-        made = frequencies_picture(data.assign_attrs(speed_unit=unit))
+        made = plots.plot_frequencies.picture(data.assign_attrs(speed_unit=unit))
         panes = [
             replace(
                 pane,
@@ -199,7 +198,8 @@ def campbell_panel(result: CampbellDiagram, results: Results) -> panel.Panel:
         ({"engine": engine} if data.sizes["engine"] > 1 else {}, data.isel(engine=[number]))
         for number, engine in enumerate(names_of(data, "engine"))
     ]
-    plot = plotted("campbell", joined([(when, campbell_picture(one)) for when, one in shown]))
+    pictures = [(when, plots.plot_campbell.picture(one)) for when, one in shown]
+    plot = plotted("campbell", joined(pictures))
     of = {"engine": names_of(data, "engine")[0], "state": state_of(data.attrs)}
     table = _critical_table(data, unit)
     return panel.panel_of("campbell", result.summary(), plots=(plot,), folded=(table,), **of)
@@ -209,7 +209,7 @@ def campbell_panel(result: CampbellDiagram, results: Results) -> panel.Panel:
 def stability_panel(result: StabilityMap, results: Results) -> panel.Panel:
     """Growth rates and moduli over crank speed, with the unstable bands."""
     data, unit = result.dataset, speed_unit_of(results)
-    plot = plotted("stability", stability_picture(data.assign_attrs(speed_unit=unit)))
+    plot = plotted("stability", plots.plot_stability.picture(data.assign_attrs(speed_unit=unit)))
     of = {name: data.attrs[name] for name in ("prestress", "damping")}
     return panel.panel_of("stability", result.summary(), plots=(plot,), **of)
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech import plots
 from flexmech.analyses import Comparison, HammerTest, RunningHammerTest
-from flexmech.plots.frf import CURVES, HARMONICS, angle_text, comparison_picture
+from flexmech.plots.frf import CURVES, angle_text
 from flexmech.plots.picture import Curve, Pane, Picture
-from flexmech.plots.reading import amplitudes_of, complex_values, signed
+from flexmech.plots.reading import complex_values
 from flexmech.plots.style import series_line
 from flexmech.report import panel
 from flexmech.report.panel import plotted
@@ -47,25 +48,7 @@ def hammer_panel(result: HammerTest, results: Results) -> panel.Panel:
 def running_hammer_panel(result: RunningHammerTest, results: Results) -> panel.Panel:
     """Amplitudes of every order over the frequency of the force."""
     data, attrs = result.dataset, result.dataset.attrs
-    frequency = data["frequency"].values
-    panes = tuple(
-        Pane(
-            f"Order {signed(order)} (m/N)",
-            tuple(
-                # Where nothing answers there is nothing to draw on a logarithmic axis.
-                Curve(
-                    frequency,
-                    amplitudes_of(complex_values(data.sel(order=order), name)),
-                    *HARMONICS[name][::-1],
-                )
-                for name in HARMONICS
-            ),
-            scale="log",
-        )
-        for order in data["order"].values.tolist()
-    )
-    along = "Frequency f of the force (Hz)"
-    plot = plotted("harmonic-response", Picture(panes, along, data, places=frequency))
+    plot = plotted("harmonic-response", plots.plot_harmonic_frf.picture(data))
     of = {name: attrs[name] for name in ("response_point", "impact_point", "direction")}
     of["speed"] = speed_name(float(attrs["crank_speed"]), speed_unit_of(results))
     return panel.panel_of("running-hammer", result.summary(), plots=(plot,), **of)
@@ -75,6 +58,6 @@ def running_hammer_panel(result: RunningHammerTest, results: Results) -> panel.P
 def comparison_panel(result: Comparison, results: Results) -> panel.Panel:
     """Measured and computed curves with the residual, and what was fitted."""
     data = result.dataset
-    plot = plotted("comparison", comparison_picture(data))
+    plot = plotted("comparison", plots.plot_comparison.picture(data))
     of = {name: data.attrs[name] for name in ("column", "record", "quantity")}
     return panel.panel_of("comparison", result.summary(), plots=(plot,), **of)

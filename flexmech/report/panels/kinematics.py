@@ -8,19 +8,16 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
+from flexmech import plots
 from flexmech.analyses import Balance, CouplerPaths, Kinematics, ModelCheck, Table
 from flexmech.plots.kinematics import (
     MOST_POINTS,
     drawn_points,
-    drive_picture,
-    joint_forces_picture,
-    link_motion_picture,
     motion_picture,
 )
 from flexmech.plots.mechanism import transmission_picture
 from flexmech.plots.picture import Choice, Curve, Pane, Picture, joined
 from flexmech.plots.reading import degrees, names_of
-from flexmech.plots.shaking import balance_picture
 from flexmech.plots.style import series_line
 from flexmech.report import panel
 from flexmech.report import results as words
@@ -71,12 +68,12 @@ def _plots(shown: list[tuple[Choice, xr.Dataset]]) -> Iterator[Plot]:
     def plot(name: str, picture: Callable[[xr.Dataset], Picture], title: str) -> Plot:
         return plotted(name, joined([(when, picture(data)) for when, data in shown]), title)
 
-    yield plot("link-motion", link_motion_picture, "Motion of the links")
+    yield plot("link-motion", plots.plot_kinematics.picture, "Motion of the links")
     for point in drawn_points(shown[-1][1])[:MOST_POINTS]:
         name = f"point-motion-{point}" if point.isalnum() else "point-motion"
         yield plot(name, partial(motion_picture, points=[point]), f"Motion of {point}")
-    yield plot("joint-forces", joint_forces_picture, "")
-    yield plot("drive", drive_picture, "Driving torque and power")
+    yield plot("joint-forces", plots.plot_joint_forces.picture, "")
+    yield plot("drive", plots.plot_drive.picture, "Driving torque and power")
 
 
 @panel.shows(CouplerPaths)
@@ -111,5 +108,5 @@ def mechanism_panel(result: ModelCheck, results: Results) -> panel.Panel:
 @panel.shows(Balance)
 def balance_panel(result: Balance, results: Results) -> panel.Panel:
     """Loads over the crank angle as given and balanced, of elastic links where they were run."""
-    plot = plotted("balance", balance_picture(result.dataset))
+    plot = plotted("balance", plots.plot_balance.picture(result.dataset))
     return panel.panel_of("balance", result.summary(), plots=(plot,))

@@ -8,18 +8,15 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from flexmech import plots
 from flexmech.analyses import Kinematics, Response, Table
 from flexmech.analyses.digits import decimals_of, with_error
 from flexmech.arrays import FloatArray
-from flexmech.plots.kinematics import motor_picture
 from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import STARTS, bending_links, names_of
 from flexmech.plots.response import (
     forces_picture,
-    frame_picture,
-    move_picture,
     over_time,
-    response_picture,
     shaft_panes,
 )
 from flexmech.plots.spectra import spectrum_picture
@@ -35,11 +32,15 @@ from flexmech.report.results import (
 
 
 def _deflections(data: xr.Dataset) -> Picture:
-    return response_picture(data.drop_vars("shaft_rotation", errors="ignore"))
+    return plots.plot_response.picture(data.drop_vars("shaft_rotation", errors="ignore"))
 
 
 def _shaft(data: xr.Dataset) -> Picture:
     return over_time(data, shaft_panes(data), "")
+
+
+def _frame(data: xr.Dataset) -> Picture:
+    return plots.plot_frame_motion.picture(data)
 
 
 # Over the last turn: name of the plot, its title, its picture, and what there must be for it.
@@ -47,7 +48,7 @@ PICTURES: tuple[tuple[str, str, Callable[[xr.Dataset], Picture], str], ...] = (
     ("deflection", "Deflection and strain", _deflections, "deflection"),
     ("forces", "Joint forces and driving torque", forces_picture, "joint_force"),
     ("shaft", "Free shaft: rotation and speed fluctuation", _shaft, "shaft_rotation"),
-    ("frame", "Frame on springs, and force on the floor", frame_picture, "frame_displacement"),
+    ("frame", "Frame on springs, and force on the floor", _frame, "frame_displacement"),
 )
 
 
@@ -78,16 +79,15 @@ def response_panel(results: Results) -> Panel | None:
                 f"run at {speed}: {len(turn.angle)} of {turn.samples} samples of the last "
                 f"turn are kept, at most {MOST_POINTS} to a line"
             )
-    plots = [
-        _over_turn(name, title, picture, those)
-        for name, title, picture, variable in PICTURES
-        if (those := [(when, data) for when, data in shown if variable in data])
-    ]
     begun = {STARTS[str(run.dataset.attrs["start"])] for run in runs}
     return panel_of(
         "response",
         answer=tuple(answer),
-        plots=tuple(plots),
+        plots=tuple(
+            _over_turn(name, title, picture, those)
+            for name, title, picture, variable in PICTURES
+            if (those := [(when, data) for when, data in shown if variable in data])
+        ),
         readings=tuple(readings),
         tables=(_peak_table(runs, links, unit),),
         lines=tuple(lines),
@@ -199,7 +199,7 @@ def motor_panel(results: Results) -> Panel | None:
         plots=tuple(
             plotted(
                 f"motor-{number}" if number > 1 else "motor",
-                motor_picture(result.dataset),
+                plots.plot_motor.picture(result.dataset),
                 str(result.dataset.attrs.get("drive", "")),
             )
             for number, result in enumerate(found, 1)
@@ -213,10 +213,10 @@ def residual_panel(results: Results) -> Panel | None:
     runs = [run for run in results.of_kind(Response) if "move_amplitude" in run.dataset]
     if not runs:
         return None
-    plots = tuple(
+    shown = tuple(
         plotted(
             f"residual-{number}" if number > 1 else "residual",
-            move_picture(run.dataset),
+            plots.plot_move_times.picture(run.dataset),
             str(run.dataset.attrs.get("drive", "")),
         )
         for number, run in enumerate(runs, 1)
@@ -226,4 +226,4 @@ def residual_panel(results: Results) -> Panel | None:
     )
     shapers = {str(run.dataset.attrs.get("shaper", "")) for run in runs} - {""}
     shaped = f", and by the law with the {' or '.join(sorted(shapers))}" if shapers else ""
-    return panel_of("residual", answer=answer, plots=plots, shaped=shaped)
+    return panel_of("residual", answer=answer, plots=shown, shaped=shaped)

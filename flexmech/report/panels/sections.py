@@ -10,23 +10,18 @@ import xarray as xr
 
 from flexmech.analyses import ModelCheck, MoistureUptake, SectionProfiles
 from flexmech.analyses.check.section_profiles import property_table
-from flexmech.arrays import FloatArray
-from flexmech.plots.picture import Curve, Pane, Picture
+from flexmech.plots.picture import Pane, Picture
 from flexmech.plots.reading import names_of
-from flexmech.plots.section import profile_pane, uptake_pane
-from flexmech.plots.style import series_line
+from flexmech.plots.section import profile_curves, profile_pane, uptake_pane
 from flexmech.report.panel import Panel, Plot, panel_of, plotted, shows
 from flexmech.report.results import Results, state_of, thinning
 
-# Variable, number of the unit load, title of the axis, and its units in a Pa.
+# Variable, unit load, title of the axis, and its units in a Pa.
 LOADS = (
-    ("normal_stress", 0, "σ by N (kPa)", 1e-3),
-    ("normal_stress", 1, "σ by M (MPa)", 1e-6),
-    ("shear_stress", 2, "τ by V (kPa)", 1e-3),
+    ("normal_stress", "axial_force", "σ by N (kPa)", 1e-3),
+    ("normal_stress", "bending_moment", "σ by M (MPa)", 1e-6),
+    ("shear_stress", "shear_force", "τ by V (kPa)", 1e-3),
 )
-# Stresses nearer to each other than this part of the greatest are the same, but for round-off.
-SAME = 1e-9
-
 # Greatest width of a drawing, as a phone shows it, and least height of a section in it, in pixels.
 WIDTH, LEAST = 300.0, 3.0
 # Opacity of the ink for each kind of layer: neighbours differ.
@@ -62,53 +57,17 @@ def section_panel(result: SectionProfiles, results: Results) -> Panel:
 
 
 def _plot(result: SectionProfiles, link: str, number: int) -> Plot:
-    curves, panes = _curves(result.profile(link)), []
+    profile, panes = result.profile(link), []
     for variable, load, label, factor in LOADS:
-        lines = []
-        for column, (name, coupling, one) in enumerate(curves):
-            x, y = _along(one, variable, load, coupling, factor)
-            look = series_line(column) | {"ls": "--" if coupling == "without" else "-"}
-            lines.append(Curve(x, y, look, name if len(curves) > 1 else ""))
-        panes.append(Pane(label, lines))
+        curves = profile_curves(profile, variable, load)
+        in_unit = [
+            replace(one, y=factor * one.y, name=one.name if len(curves) > 1 else "")
+            for one in curves
+        ]
+        panes.append(Pane(label, in_unit))
     along = "y from the pins' axis (mm)"
     picture = Picture(panes, along, result.dataset)
     return plotted(f"section-{number + 1}", picture, f"Stress in the {link}")
-
-
-def _curves(one: xr.Dataset) -> list[tuple[str, str, xr.Dataset]]:
-    """What is drawn of a link: its name, its coupling, and the layers that it is of."""
-    if one["direction_of_layers"] == "across width":
-        # Layers of one kind have the same stress.
-        first: dict[str, xr.Dataset] = {}
-        for _, layer in one.groupby("layer"):
-            first.setdefault(_of_ply(layer), layer)
-        return [(name, "with", layer) for name, layer in first.items()]
-    if _uncoupled(one):
-        return [("with coupling", "with", one)]
-    return [(f"{coupling} coupling", coupling, one) for coupling in ("with", "without")]
-
-
-def _of_ply(layer: xr.Dataset) -> str:
-    """Ply and angle of one layer in words."""
-    angle = round(float(np.degrees(layer["angle"].item())), 6)
-    return f"{layer['ply'].item()} at {angle:g} deg"
-
-
-def _uncoupled(one: xr.Dataset) -> bool:
-    """Whether axial force and bending are uncoupled, so that two lines would be one."""
-    coupled, alone = (one["normal_stress"].sel(coupling=each) for each in ("with", "without"))
-    return bool(abs(coupled - alone).max() <= SAME * abs(coupled).max())
-
-
-def _along(
-    one: xr.Dataset, variable: str, load: int, coupling: str, factor: float
-) -> tuple[FloatArray, FloatArray]:
-    """Places in mm and stresses from the lowest layer up, with a break between layers."""
-    values = one[variable].isel(load=load).sel(coupling=coupling).transpose("layer", "point").values
-    places = 1e3 * one["place"].transpose("layer", "point").values
-    gap = np.full((len(places), 1), np.nan)
-    x, y = (np.concatenate([part, gap], axis=1).ravel() for part in (places, factor * values))
-    return x, y
 
 
 @shows(MoistureUptake)
