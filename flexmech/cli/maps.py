@@ -7,11 +7,13 @@ from typing import Annotated
 import typer
 
 from flexmech import analyses, choices
+from flexmech.analyses import typed
 from flexmech.choices import ELEMENTS_A_LINK, KEPT_MODES, TOLERANCE
-from flexmech.cli import options, typed
+from flexmech.cli import options
+from flexmech.cli.asking import speeds_or_own
 from flexmech.cli.deliver import deliver, mechanism_of
-from flexmech.cli.failures import naming
 from flexmech.cli.stopping import Stopped, answered_signals
+from flexmech.errors import naming
 
 
 def frequencies(
@@ -19,7 +21,7 @@ def frequencies(
     speeds: options.Speeds = None,
     angles: options.Angles = options.EVERY_5_DEGREES,
     modes: options.Modes = None,
-    shapes_at: Annotated[list[float] | None, typed.SHAPES_AT] = None,
+    shapes_at: Annotated[typed.FloatArray | None, typed.SHAPES_AT] = None,
     engine: options.Engine = "both",
     element: options.Element = None,
     prestress: choices.MapPrestress = "equilibrium",
@@ -50,16 +52,16 @@ def frequencies(
         distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve of a
         four-bar. Of the reference engine; Exudyn keeps distributed mass.
     """
-    from flexmech.analyses.frequencies.request import operating_speeds
+    from flexmech.crank_values import operating_speeds
 
     mechanism = mechanism_of(model)
     drawn = bool(output.pictures.formats)
-    speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
+    speeds = speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
     deliver(
         analyses.MovingFrequencies,
         lambda progress: analyses.moving_frequencies(
             analyses.chosen_engines(mechanism, engine, element, elements, mass=mass),
-            typed.radians(angles),
+            angles,
             speeds.numbers,
             modes=modes,
             prestress=prestress,
@@ -68,7 +70,7 @@ def frequencies(
             environment=environment,
             speed_unit=speeds.unit,
             tolerance=tolerance if elements is None else None,
-            shapes_at=None if shapes_at is None else typed.radians(shapes_at),
+            shapes_at=None if shapes_at is None else shapes_at,
             smooth=drawn,
             shaft=shaft,
             progress=progress,
@@ -115,16 +117,16 @@ def campbell(
         equilibrium: at the nonlinear quasi-static equilibrium.
     """
     from flexmech.analyses.campbell.compute import campbell as analysis
-    from flexmech.analyses.crank_speeds import CAMPBELL
+    from flexmech.crank_values import CAMPBELL
 
     mechanism = mechanism_of(model)
-    speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", CAMPBELL)
+    speeds = speeds_or_own(speeds, mechanism, "--speeds", CAMPBELL)
     deliver(
         analyses.CampbellDiagram,
         lambda progress: analysis(
             analyses.chosen_engines(mechanism, engine, element, elements),
             speeds.numbers,
-            crank_angles=typed.radians(angles),
+            crank_angles=angles,
             orders=orders,
             modes=modes,
             prestress=prestress,
@@ -186,12 +188,12 @@ def stability(
         quantity of the model file such as links.coupler.in_plane_thickness; over a comma list or
         START:STOP:STEPS, as in "damping-ratio 0:2%:20" for 20 equal steps from 0 to 2 %.
     """
-    from flexmech.analyses.crank_speeds import STABILITY
     from flexmech.analyses.stability.against import asked_range
     from flexmech.analyses.stability.compute import stability as analysis
+    from flexmech.crank_values import STABILITY
 
     mechanism = mechanism_of(model)
-    speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", STABILITY)
+    speeds = speeds_or_own(speeds, mechanism, "--speeds", STABILITY)
     with naming("--against"):
         second = None if against is None else asked_range(mechanism, *against)
     earlier = len(answered_signals())

@@ -14,7 +14,6 @@ from flexmech import (
     BalanceRequest,
     FourBar,
     InputError,
-    KinematicsRequest,
     Mechanism,
     PointMass,
     balance,
@@ -22,6 +21,7 @@ from flexmech import (
     kinematics,
     load_mechanism,
 )
+from flexmech.analyses import KinematicsRequest
 from flexmech.modelfile import mechanism_from_toml
 from tests.support.mechanisms import drawn
 from tests.support.strategies import LINKS, arm, fourbar
@@ -105,8 +105,8 @@ def test_the_file_that_is_written_shakes_no_frame(name: str, tmp_path: Path) -> 
     rigidly(given_one, radii=(0.03, 0.05)).save(tmp_path)
     balanced = load_mechanism(tmp_path / "balanced.toml")
     for asked in (
-        KinematicsRequest(TURN, SPEED),
-        KinematicsRequest(TURN, 3, crank_acceleration=500),
+        KinematicsRequest(SPEED, crank_angles=TURN),
+        KinematicsRequest(3, crank_angles=TURN, crank_acceleration=500),
     ):
         after, before = (
             peak(kinematics(each, asked).dataset["shaking_force"]) for each in (balanced, given_one)
@@ -163,7 +163,7 @@ def weighed(mechanism: Mechanism, moments: np.ndarray, weights: tuple[float, ...
     )
     rows = []
     for each in (mechanism, replace(mechanism, bodies=bodies)):
-        asked = KinematicsRequest(TURN, SPEED)
+        asked = KinematicsRequest(SPEED, crank_angles=TURN)
         free = kinematics(replace(each, gravity=(0.0, 0.0)), asked).dataset
         torque = kinematics(each, asked).dataset["driving_torque"]
         values = free["shaking_force"], free["shaking_moment"], torque

@@ -147,7 +147,7 @@ def running_hammer() -> flexmech.RunningHammerTest:
 
 @functools.cache
 def kinematics() -> flexmech.Kinematics:
-    return flexmech.kinematics(fourbar(), flexmech.KinematicsRequest(TURN, 20.0, (1, 4, 4)))
+    return flexmech.kinematics(fourbar(), 20.0, crank_angles=TURN, lumped=(1, 4, 4))
 
 
 @functools.cache

@@ -20,8 +20,8 @@ from flexmech.analyses.campbell import answer as answers
 from flexmech.analyses.campbell import words
 from flexmech.analyses.campbell.crossings import CriticalSpeed
 from flexmech.analyses.campbell.engine_bands import EngineDiagram, Gap, engine_diagram
-from flexmech.analyses.campbell.request import ORDERS, CampbellRequest
-from flexmech.analyses.crank_speeds import CAMPBELL, asked_speeds
+from flexmech.analyses.campbell.request import CampbellRequest
+from flexmech.analyses.crank_speeds import asked_speeds
 from flexmech.analyses.datasets import (
     columns_of,
     engine_coordinates,
@@ -43,6 +43,7 @@ from flexmech.analyses.summary import (
 )
 from flexmech.arrays import IntArray, LabelledProgress, silent
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
+from flexmech.crank_values import CAMPBELL, ORDERS
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.mechanics import Engine, RotationTerms
 from flexmech.solvers.formulation import Formulation, Systems

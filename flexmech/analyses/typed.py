@@ -3,60 +3,117 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from flexmech import crank_values as crank
 from flexmech import units
 from flexmech.choices import PICTURE_FORMATS, REPORT_PARTS
-from flexmech.cli.failures import naming
-from flexmech.cli.reading import OWN, Typed
+from flexmech.crank_values import GREATEST
 from flexmech.crank_values import Speeds as Speeds
-from flexmech.errors import InputError, known_words
+from flexmech.errors import InputError, known_words, naming
 from flexmech.plausible import RUN_UP as RUN_UPS
 from flexmech.plausible import Plausible, check_plausible, of_dimension
 from flexmech.quantity_lists import parse_counts, parse_modes
 
 if TYPE_CHECKING:
-    from flexmech.arrays import FloatArray
+    from flexmech.arrays import FloatArray as FloatArray
     from flexmech.hygrothermal import Environment as Environment
     from flexmech.linkages import CouplerPoint as CouplerPoint
     from flexmech.mechanics import LinkPoint as LinkPoint
     from flexmech.mechanics import RotationTerms as RotationTerms
-    from flexmech.mechanism import Mechanism
 else:  # Their rooms are imported where one of them is asked for.
-    CouplerPoint = Environment = LinkPoint = RotationTerms = Any
+    CouplerPoint = Environment = FloatArray = LinkPoint = RotationTerms = Any
 
 # What --step and --steps take where the analysis chooses.
 _AUTO = "auto"
 
 
-def speeds_or_own(
-    typed: Speeds | None,
-    mechanism: Mechanism,
-    option: str,
-    usual: Callable[[Mechanism], FloatArray],
-) -> Speeds:
-    """The speeds of an option; where it is left out, those of the mechanism.
+# What ``--running`` is without a value: the speed of the model file.
+OWN = "model"
+
+
+@dataclass(frozen=True)
+class Typed:
+    """How the value of an option is typed.
 
     Parameters
     ----------
-    typed : Speeds or None
-    mechanism : Mechanism
     option : str
-    usual : callable
-        Takes the mechanism, and gives the speeds in rad/s that are usual.
-
-    Returns
-    -------
-    Speeds
-        With a remark where they are the mechanism's.
+        Its name, which messages give.
+    read : callable
+        Takes the text; raises InputError where it cannot be read.
+    metavar : str
+        What stands for the value in the help; empty where its type is enough.
+    how : str
+        End of the first sentence of the help: units and lists, as in ": rad/s unless a unit is
+        given."; a full stop alone if empty.
+    also : str
+        Another name of the option; empty where it has one.
     """
-    from flexmech.analyses.crank_speeds import own_speeds
 
-    with naming(option):
-        return own_speeds(mechanism, usual) if typed is None else typed
+    option: str
+    read: Callable[[str], Any]
+    metavar: str = ""
+    how: str = ""
+    also: str = ""
+
+    def __call__(self, text: str | None) -> Any:
+        """What the text says; None where the option was left out."""
+        if text is None:
+            return None
+        with naming(self.option):
+            return self.read(text)
+
+
+@dataclass(frozen=True)
+class TypedSpeeds(Typed):
+    """Crank speeds as they are typed, and those of a mechanism where they are left out.
+
+    Parameters
+    ----------
+    option, read, metavar, how, also
+        As of :class:`Typed`.
+    usual : callable
+        Takes a mechanism, and gives the speeds in rad/s that are taken where they are left out.
+    """
+
+    usual: Callable[[Any], FloatArray] = GREATEST
+
+
+@dataclass(frozen=True)
+class Plain:
+    """An option whose type says how it is typed: a word of a list, a whole number or a flag.
+
+    Parameters
+    ----------
+    option : str
+    least, most : int, optional
+        Between which a whole number lies.
+    """
+
+    option: str
+    least: int | None = None
+    most: int | None = None
+
+
+@dataclass(frozen=True)
+class Together:
+    """Options of which one value is made: the parameters of a function that makes it.
+
+    Parameters
+    ----------
+    make : callable
+        A function, or a class of :mod:`flexmech.analyses.options`, whose fields that are options
+        are handed on by name.
+    defaults : mapping
+        Of a command, where they are not those of the class.
+    """
+
+    make: Callable[..., Any]
+    defaults: Mapping[str, Any] = field(default_factory=dict)
 
 
 def _quantity(
@@ -66,6 +123,9 @@ def _quantity(
     can_be: Callable[[float], bool] = math.isfinite,
     refusal: str = "",
     plausible: Plausible | None = None,
+    *,
+    metavar: str = "",
+    how: str = "",
 ) -> Typed:
     """An option of one quantity, in SI units.
 
@@ -81,7 +141,7 @@ def _quantity(
             check_plausible(value, text, sizes)
         return value
 
-    return Typed(option, read)
+    return Typed(option, read, metavar, how)
 
 
 def _positive(option: str, dimension: units.Dimension, unit: str | None = None) -> Typed:
@@ -104,14 +164,20 @@ def _by_its_room(kind: str) -> Callable[[str], Any]:
     """How a kind of thing is read by the room that it lives in, which is imported then."""
 
     def read(text: str) -> Any:
-        from flexmech.analyses.campbell.request import parse_orders
         from flexmech.linkages import CouplerPoint
         from flexmech.mechanics import LinkPoint, RotationTerms
 
         terms, place, point = RotationTerms.parse, LinkPoint.parse, CouplerPoint.parse
-        return {"orders": parse_orders, "terms": terms, "place": place, "point": point}[kind](text)
+        return {"terms": terms, "place": place, "point": point}[kind](text)
 
     return read
+
+
+def radians(text: str) -> FloatArray:
+    """Crank angles that are typed in degrees: a comma list, START:STOP:STEP, or both; in rad."""
+    import numpy as np
+
+    return np.radians(crank.parse_crank_angles(text))
 
 
 def _whole(text: str) -> int:
@@ -135,33 +201,63 @@ def _place(text: str) -> tuple[float, ...]:
 _LENGTHS = _each(partial(units.parse_quantity, dimension=units.LENGTH))
 WEIGHTS = Typed("--weights", _each(lambda text: float(units.parse_number(text))))
 RADIUS = Typed("--radius", _LENGTHS)
-MOMENT_POINT = Typed("--moment-point", _place)
-ANGLES = Typed("--angles", crank.parse_crank_angles)
-LOCKED_ANGLES = Typed("--angle", crank.parse_crank_angles)
-SHAPES_AT = Typed("--shapes-at", crank.parse_crank_angles)
+MOMENT_POINT = Typed("--moment-point", _place, "X,Y", ", as in '127 mm,0 mm'.")
+ANGLES = Typed(
+    "--angles",
+    radians,
+    how=' in degrees: START:STOP:STEP, a comma list, or both, as in "10:170:10,190:350:10".',
+)
+LOCKED_ANGLES = Typed("--angle", radians)
+SHAPES_AT = Typed("--shapes-at", radians)
 SPEEDS = Typed("--speeds", partial(crank.typed_speeds, option="--speeds"))
 CAMPBELL_SPEEDS = Typed(
     "--campbell-speeds", partial(crank.typed_speeds, option="--campbell-speeds")
 )
 SPEED = Typed("--speed", partial(crank.typed_speed, option="--speed", turns=True))
 SPEED_OR_REST = Typed("--speed", partial(crank.typed_speed, option="--speed", turns=False))
+
+
+def speed(usual: Callable[[Any], FloatArray], *, turns: bool) -> TypedSpeeds:
+    """The one crank speed of an analysis.
+
+    Parameters
+    ----------
+    usual : callable
+        Gives the speed of a mechanism that is taken where it is left out.
+    turns : bool
+        Whether a speed of zero is refused.
+
+    Returns
+    -------
+    TypedSpeeds
+    """
+    read = partial(crank.typed_speed, option="--speed", turns=turns)
+    how = ': rad/s unless a unit is given, as in "190 rpm".'
+    return TypedSpeeds("--speed", read, "W", how, usual=usual)
+
+
 _TURNING = partial(crank.typed_speed, option="--running", turns=True)
 RUNNING = Typed("--running", lambda text: Speeds(()) if text == OWN else _TURNING(text))
-ORDERS = Typed("--orders", _by_its_room("orders"))
+ORDERS = Typed("--orders", crank.parse_orders)
 ROTATION_TERMS = Typed("--rotation-terms", _by_its_room("terms"))
-LUMPED = Typed("--lumped", parse_counts)
+LUMPED = Typed("--lumped", parse_counts, "LIST", ", as in 1,4,4; or one number for all.")
 POINT = Typed("--point", _by_its_room("point"))
 IMPACT = Typed("--impact", _by_its_room("place"))
 RESPONSE = Typed("--response", _by_its_room("place"))
 REVOLUTIONS = Typed("--revolutions", crank.parse_revolutions)
 SHAPED_MODES = Typed("--shaped-modes", parse_modes)
 MOVE_TIMES = Typed("--move-times", crank.parse_move_times)
-CRANK_ACCELERATION = _quantity("--crank-acceleration", units.ANGULAR_ACCELERATION, "rad/s^2")
+CRANK_ACCELERATION = _quantity(
+    "--crank-acceleration",
+    units.ANGULAR_ACCELERATION,
+    "rad/s^2",
+    how=": rad/s^2 unless a unit is given.",
+)
 STEPS = _or_auto(Typed("--steps", _whole), "; write a multiple of 16, such as 256")
 _STEP_REFUSED = f"got {{!r}}, which is not positive; write a time, for example {units.TIME.example}"
 STEP = _or_auto(_quantity("--step", units.TIME, "s", (0.0).__lt__, _STEP_REFUSED))
-MOISTURE = Typed("--moisture", units.parse_percent)
-RELATIVE_HUMIDITY = Typed("--relative-humidity", units.parse_percent)
+MOISTURE = Typed("--moisture", units.parse_percent, "PERCENT")
+RELATIVE_HUMIDITY = Typed("--relative-humidity", units.parse_percent, "PERCENT")
 _PICTURES = "format of pictures", ", as in --format pdf,svg"
 FORMATS = Typed("--format", lambda text: known_words(text, PICTURE_FORMATS, *_PICTURES))
 INCLUDE = Typed("--include", lambda text: known_words(text, REPORT_PARTS, "part of a report"))
@@ -174,11 +270,15 @@ GROUND = _positive("--ground", units.LENGTH)
 NOISE = _quantity("--noise", units.RATIO)
 SHARE = _quantity("--share", units.RATIO)
 TOLERATED = _quantity("--tolerated", units.RATIO)
-TEMPERATURE_RISE = _quantity("--temperature-rise", units.TEMPERATURE_DIFFERENCE, "K")
+TEMPERATURE_RISE = _quantity(
+    "--temperature-rise", units.TEMPERATURE_DIFFERENCE, "K", metavar="C"
+)
 _BELOW_ZERO = "must be above absolute zero, got {!r}"
 TEMPERATURE = _quantity("--temperature", units.TEMPERATURE, "degC", (0.0).__lt__, _BELOW_ZERO)
-EXPOSURE_TIME = _quantity(
-    "--time", units.TIME, None, (0.0).__le__, "must be zero or positive, got {!r}"
+EXPOSURE_TIME = replace(
+    _quantity("--time", units.TIME, None, (0.0).__le__, "must be zero or positive, got {!r}"),
+    metavar="T",
+    also="--exposure-time",
 )
 RUN_UP = _quantity(
     "--run-up",
@@ -212,8 +312,30 @@ RECORD_ANGLE = _quantity(
 )
 
 
-def radians(degrees: list[float]) -> FloatArray:
-    """Crank angles in rad, as the library takes them."""
-    import numpy as np
+def asked_environment(
+    temperature_rise: Annotated[float | None, TEMPERATURE_RISE] = None,
+    moisture: Annotated[float | None, MOISTURE] = None,
+    relative_humidity: Annotated[float | None, RELATIVE_HUMIDITY] = None,
+    time: Annotated[float | None, EXPOSURE_TIME] = None,
+) -> Environment | None:
+    """Heat and moisture, or the exposure to them; None if nothing is asked for.
 
-    return np.radians(degrees)
+    Parameters
+    ----------
+    temperature_rise : float, optional
+        Temperature over the model's reference temperature: degrees Celsius unless a unit is given.
+    moisture : float, optional
+        Moisture of every resin: mass of water over its dry mass, in percent.
+    relative_humidity : float, optional
+        Instead of --moisture: humidity of the surrounding air in percent, with --time.
+    time : float, optional
+        Time of exposure since the links were dry, such as "30 day".
+    """
+    if (temperature_rise, moisture, relative_humidity, time) == (None,) * 4:
+        return None
+    from flexmech.hygrothermal import environment_of
+
+    return environment_of(temperature_rise or 0.0, moisture, relative_humidity, time)
+
+
+ENVIRONMENT = Together(asked_environment)
