@@ -10,7 +10,6 @@ from . import solvers as solvers
 from . import studies as studies
 from . import verification as verification
 from .analyses import Balance as Balance
-from .analyses import BalanceRequest as BalanceRequest
 from .analyses import CampbellDiagram as CampbellDiagram
 from .analyses import Comparison as Comparison
 from .analyses import ComparisonRequest as ComparisonRequest

@@ -65,21 +65,11 @@ class Speeds:
         [speed] = self.numbers
         return speed
 
-    @property
-    def of_run(self) -> dict[str, Any]:
-        """What a request of a run is told of it: a speed in its unit, or a drive."""
+    def keywords(self, name: str = "speed") -> dict[str, Any]:
+        """What an analysis is given: numbers in their unit, of ``"speed"`` one, or the drive."""
         if self.drive is not None:
-            return {"speed": self.drive}
-        return {"speed": self.single, "speed_unit": self.unit}
-
-    @property
-    def of_states(self) -> dict[str, Any]:
-        """What a request of the rigid linkage's states is told of it."""
-        if self.drive is None:
-            return {"crank_speed": self.single, "speed_unit": self.unit}
-        return (
-            {"crank_speed": self.drive.speed} if self.drive.is_constant else {"drive": self.drive}
-        )
+            return {name: self.drive}
+        return {name: self.single if name == "speed" else self.numbers, "speed_unit": self.unit}
 
 
 @dataclass(frozen=True)
@@ -323,8 +313,6 @@ def parse_crank_angles(text: str) -> list[float]:
     return list(angles)
 
 
-# Of the crank's speed, drawn by default: harmonics of the loads fade within the first ten.
-ORDERS = tuple(range(1, 11))
 # More are taken for a slip: a thousand rays are drawn as one surface.
 MOST_ORDER = 1000
 

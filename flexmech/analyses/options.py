@@ -11,7 +11,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,19 +19,32 @@ from flexmech.analyses import typed
 from flexmech.choices import (
     ELEMENTS_A_LINK,
     MOST_ELEMENTS,
+    MOST_MODES,
     CriterionName,
     ElementName,
     EngineChoice,
     LoadSource,
+    Prestress,
 )
-from flexmech.crank_values import DRIVE_OR_REST, GREATEST_OR_REST
+from flexmech.crank_values import (
+    CAMPBELL,
+    DRIVE_OR_REST,
+    GREATEST,
+    GREATEST_OR_REST,
+    parse_orders,
+)
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from flexmech.arrays import FloatArray, LabelledProgress
     from flexmech.hygrothermal import Environment
     from flexmech.linkages import Drive, MotorDrive
+    from flexmech.mechanics import RotationTerms
 else:  # Their rooms are imported where an analysis computes.
-    Drive = Environment = FloatArray = LabelledProgress = MotorDrive = Any
+    ArrayLike = Drive = Environment = FloatArray = LabelledProgress = MotorDrive = RotationTerms = (
+        Any
+    )
 
 EVERY_DEGREE = partial(typed.radians, "0:360:1")
 EVERY_5_DEGREES = partial(typed.radians, "0:360:5")
@@ -168,6 +181,7 @@ class KinematicsOptions(Options):
     speed: Annotated[float | Drive | MotorDrive | None, typed.speed(DRIVE_OR_REST, turns=False)] = (
         None
     )
+    _: KW_ONLY
     crank_angles: Annotated[FloatArray, typed.ANGLES] = field(default_factory=EVERY_DEGREE)
     lumped: Annotated[Sequence[int] | None, typed.LUMPED] = None
     crank_acceleration: Annotated[float, typed.CRANK_ACCELERATION] = 0.0
@@ -217,6 +231,7 @@ class StrengthOptions(EngineOptions):
     """
 
     speed: Annotated[float | None, typed.speed(GREATEST_OR_REST, turns=False)] = None
+    _: KW_ONLY
     crank_angles: Annotated[FloatArray, typed.ANGLES] = field(default_factory=EVERY_5_DEGREES)
     source: Annotated[LoadSource, typed.Plain("--source")] = "quasi-static"
     criterion: Annotated[CriterionName | None, typed.Plain("--criterion")] = None
@@ -224,5 +239,134 @@ class StrengthOptions(EngineOptions):
     environment: Annotated[Environment | None, typed.ENVIRONMENT] = None
     revolutions: float = 4.0
     search_speed: bool = True
+    speed_unit: str | None = None
+    progress: LabelledProgress | None = field(default=None, repr=False, compare=False)
+
+
+@dataclass(frozen=True)
+class BalanceOptions(Options):
+    """Counterweights that keep a linkage from shaking its frame, and what they cost.
+
+    On crank and follower of a four-bar, for a full balance of the shaking force or a compromise;
+    on the crank of a slider-crank. Writes the balanced model file too, as balanced.toml.
+
+    Parameters
+    ----------
+    speed : float, optional
+        Crank speed. Left out: the model's greatest.
+
+        In ``speed_unit``, other than zero.
+    weights : sequence of float, optional
+        Of shaking force, shaking moment and driving torque in a compromise. Left out: full force
+        balance of a four-bar, --share of a slider-crank.
+
+        The sum of their mean squares over the crank angles, each over that of the linkage as
+        given, is made least.
+    radii : float or sequence of float, optional
+        Distance of the counterweights from the joints about which crank and follower rotate. Left
+        out: half of each link's length.
+
+        In m.
+    share : float
+        Of the reciprocating mass of a slider-crank that is balanced as if it rotated.
+
+        With the crank's pin, where no weights are given.
+    crank_angles : array_like, shape (A,)
+        Crank angles.
+
+        In rad, increasing: over which means and peaks are taken; a turn in steps of one degree if
+        left out.
+    moment_point : tuple of float, optional
+        Point about which the shaking moment is taken, in ground axes. Left out: the axis of the
+        shaft.
+
+        In m.
+    rigid : bool
+        Leave out what elastic links add, which takes some seconds.
+
+        Which is a run by the reference engine, for what is left of the shaking force, and the first
+        natural frequency.
+    speed_unit : str, optional
+        Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s, or
+        that of the model file for the mechanism's speed.
+    progress : callable, optional
+        Called with a label, the runs done and the runs to do.
+    """
+
+    speed: Annotated[float | None, typed.speed(GREATEST, turns=True)] = None
+    _: KW_ONLY
+    weights: Annotated[Sequence[float] | None, typed.WEIGHTS] = None
+    radii: Annotated[float | Sequence[float] | None, typed.RADIUS] = None
+    share: Annotated[float, typed.SHARE] = 0.5
+    crank_angles: Annotated[FloatArray, typed.ANGLES] = field(default_factory=EVERY_DEGREE)
+    moment_point: Annotated[tuple[float, float] | None, typed.MOMENT_POINT] = None
+    rigid: Annotated[bool, typed.Plain("--rigid")] = False
+    speed_unit: str | None = None
+    progress: LabelledProgress | None = field(default=None, repr=False, compare=False)
+
+
+@dataclass(frozen=True)
+class CampbellOptions(EngineOptions):
+    """Which crank speeds to avoid: a Campbell diagram.
+
+    Each branch's lowest, mean and highest frequency over the turn against crank speed, and the
+    speeds at which multiples of the crank's speed meet them: a table, CSV and NetCDF files, and a
+    picture; dry, or in heat and moisture.
+
+    Parameters
+    ----------
+    crank_speeds : array_like, shape (S,), optional
+        Crank speeds. Left out: from 0 to 1.5 times the model's greatest.
+
+        In ``speed_unit``.
+    orders : array_like of int, shape (o,)
+        Multiples of the crank's speed.
+    crank_angles : array_like, shape (A,)
+        Crank angles.
+
+        In rad, increasing, over which the bands reach; a turn in steps of five degrees if left out.
+    modes : int, optional
+        Number of natural frequencies. Left out: 4, or as many as there are.
+
+        As many as oscillate.
+    prestress : {"none", "axial", "equilibrium"}
+        none: elastic stiffness alone; axial: with the axial forces of the rigid motion;
+        equilibrium: at the nonlinear quasi-static equilibrium.
+    rotation_terms : bool or RotationTerms
+        Terms of the turning link frames that are counted: all, none (the same as
+        --no-rotation-terms), or a comma list of coriolis, centripetal, tangential.
+
+        True or False: all, or none, which is the frozen inertial form.
+    elements : int, optional
+        Elements on each link, whatever the tolerance. Left out: 8, doubled by each engine until its
+        frequencies are within the tolerance, up to 32.
+
+        Of a mechanism; an engine has its own.
+    tolerance : float, optional
+        Estimated relative error by the mesh that is allowed, where --elements is left out.
+
+        Each engine doubles its elements until it is met at the lowest speed, up to 32 on each link;
+        the error at higher speeds is told. Left out: the elements are kept.
+    environment : HygrothermalState or Exposure, optional
+        Heat and moisture that the linkage turns in; dry if left out.
+    speed_unit : str, optional
+        Unit of the crank speeds given, such as ``"rpm"``, in which the result speaks of them. Left
+        out: rad/s, and the unit of the model file for speeds that are its own.
+    progress : callable, optional
+        Called as ``progress(label, done, total)``.
+    """
+
+    crank_speeds: Annotated[ArrayLike | None, typed.speeds(CAMPBELL, example="0:900:10 rpm")] = None
+    _: KW_ONLY
+    orders: Annotated[ArrayLike, typed.ORDERS] = field(
+        default_factory=partial(parse_orders, "1:10")
+    )
+    crank_angles: Annotated[ArrayLike, typed.ANGLES] = field(default_factory=EVERY_5_DEGREES)
+    modes: Annotated[int | None, typed.Plain("--modes", 1, MOST_MODES)] = None
+    prestress: Annotated[Prestress, typed.Plain("--prestress")] = "equilibrium"
+    rotation_terms: Annotated[bool | RotationTerms, typed.ROTATION_TERMS] = True
+    elements: Annotated[int | None, typed.Plain("--elements", 1, MOST_ELEMENTS)] = None
+    tolerance: Annotated[float | None, typed.Plain("--tolerance")] = None
+    environment: Annotated[Environment | None, typed.ENVIRONMENT] = None
     speed_unit: str | None = None
     progress: LabelledProgress | None = field(default=None, repr=False, compare=False)

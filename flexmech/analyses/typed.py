@@ -199,8 +199,13 @@ def _place(text: str) -> tuple[float, ...]:
 
 
 _LENGTHS = _each(partial(units.parse_quantity, dimension=units.LENGTH))
-WEIGHTS = Typed("--weights", _each(lambda text: float(units.parse_number(text))))
-RADIUS = Typed("--radius", _LENGTHS)
+WEIGHTS = Typed(
+    "--weights",
+    _each(lambda text: float(units.parse_number(text))),
+    "F,M,T",
+    ", as in 1,0.5,0.5.",
+)
+RADIUS = Typed("--radius", _LENGTHS, "LIST", ', as in "40 mm,80 mm", or one for both.')
 MOMENT_POINT = Typed("--moment-point", _place, "X,Y", ", as in '127 mm,0 mm'.")
 ANGLES = Typed(
     "--angles",
@@ -215,6 +220,26 @@ CAMPBELL_SPEEDS = Typed(
 )
 SPEED = Typed("--speed", partial(crank.typed_speed, option="--speed", turns=True))
 SPEED_OR_REST = Typed("--speed", partial(crank.typed_speed, option="--speed", turns=False))
+
+
+def speeds(usual: Callable[[Any], FloatArray], *, example: str) -> TypedSpeeds:
+    """The crank speeds of an analysis.
+
+    Parameters
+    ----------
+    usual : callable
+        Gives the speeds of a mechanism that are taken where they are left out.
+    example : str
+
+    Returns
+    -------
+    TypedSpeeds
+    """
+    how = (
+        f': START:STOP:STEP or a comma list with one unit at the end, as in "{example}"; rad/s if '
+        "there is none."
+    )
+    return TypedSpeeds(SPEEDS.option, SPEEDS.read, "LIST", how, usual=usual)
 
 
 def speed(usual: Callable[[Any], FloatArray], *, turns: bool) -> TypedSpeeds:
@@ -238,8 +263,10 @@ def speed(usual: Callable[[Any], FloatArray], *, turns: bool) -> TypedSpeeds:
 
 _TURNING = partial(crank.typed_speed, option="--running", turns=True)
 RUNNING = Typed("--running", lambda text: Speeds(()) if text == OWN else _TURNING(text))
-ORDERS = Typed("--orders", crank.parse_orders)
-ROTATION_TERMS = Typed("--rotation-terms", _by_its_room("terms"))
+ORDERS = Typed(
+    "--orders", crank.parse_orders, "LIST", ': START:STOP, or a comma list such as "1,2,4".'
+)
+ROTATION_TERMS = Typed("--rotation-terms", _by_its_room("terms"), "LIST")
 LUMPED = Typed("--lumped", parse_counts, "LIST", ", as in 1,4,4; or one number for all.")
 POINT = Typed("--point", _by_its_room("point"))
 IMPACT = Typed("--impact", _by_its_room("place"))
@@ -268,11 +295,9 @@ DURATION = _positive("--duration", units.TIME, "s")
 PULSE = _positive("--pulse", units.TIME, "s")
 GROUND = _positive("--ground", units.LENGTH)
 NOISE = _quantity("--noise", units.RATIO)
-SHARE = _quantity("--share", units.RATIO)
+SHARE = _quantity("--share", units.RATIO, metavar="PERCENT")
 TOLERATED = _quantity("--tolerated", units.RATIO)
-TEMPERATURE_RISE = _quantity(
-    "--temperature-rise", units.TEMPERATURE_DIFFERENCE, "K", metavar="C"
-)
+TEMPERATURE_RISE = _quantity("--temperature-rise", units.TEMPERATURE_DIFFERENCE, "K", metavar="C")
 _BELOW_ZERO = "must be above absolute zero, got {!r}"
 TEMPERATURE = _quantity("--temperature", units.TEMPERATURE, "degC", (0.0).__lt__, _BELOW_ZERO)
 EXPOSURE_TIME = replace(

@@ -91,9 +91,10 @@ def question(
 
     def command(model: Any, keywords: dict[str, Any], output: Output) -> None:
         mechanism, speeds = mechanism_of(model), None
-        if isinstance(mark := marks.get("speed"), TypedSpeeds):
-            speeds = speeds_or_own(keywords["speed"], mechanism, mark.option, mark.usual)
-            keywords |= speeds.of_run
+        for name, mark in marks.items():
+            if isinstance(mark, TypedSpeeds):
+                speeds = speeds_or_own(keywords[name], mechanism, mark.option, mark.usual)
+                keywords |= speeds.keywords(name)
 
         def compute(progress: Any) -> Any:
             told = {"progress": progress} if tells_progress else {}

@@ -8,9 +8,10 @@ import typer
 
 from flexmech import analyses, choices
 from flexmech.analyses import typed
+from flexmech.analyses.options import CampbellOptions
 from flexmech.choices import ELEMENTS_A_LINK, KEPT_MODES, TOLERANCE
 from flexmech.cli import options
-from flexmech.cli.asking import speeds_or_own
+from flexmech.cli.asking import question, speeds_or_own
 from flexmech.cli.deliver import deliver, mechanism_of
 from flexmech.cli.stopping import Stopped, answered_signals
 from flexmech.errors import naming
@@ -81,65 +82,14 @@ def frequencies(
     )
 
 
-def campbell(
-    model: options.Model,
-    speeds: Annotated[typed.Speeds | None, typed.SPEEDS] = None,
-    orders: Annotated[list[int], typed.ORDERS] = options.FIRST_ORDERS,
-    angles: options.Angles = options.EVERY_5_DEGREES,
-    modes: options.Modes = None,
-    engine: choices.EngineChoice = "reference",
-    element: options.Element = None,
-    prestress: choices.Prestress = "equilibrium",
-    rotation_terms: options.RotationTerms = options.ALL,
-    elements: options.PinnedElements = None,
-    tolerance: options.Tolerance = TOLERANCE,
-    *,
-    environment: options.AskedEnvironment,
-    output: options.AskedOutput,
-) -> None:
-    """Which crank speeds to avoid: a Campbell diagram.
-
-    Each branch's lowest, mean and highest frequency over the turn against crank speed, and the
-    speeds at which multiples of the crank's speed meet them: a table, CSV and NetCDF files, and a
-    picture; dry, or in heat and moisture.
-
-    Options
-    -------
-    speeds : LIST
-        Crank speeds: START:STOP:STEP or a comma list with one unit at the end, as in "0:900:10
-        rpm"; rad/s if there is none. Left out: from 0 to 1.5 times the model's greatest.
-    orders : LIST
-        Multiples of the crank's speed: START:STOP, or a comma list such as "1,2,4".
-    engine
-        Which engine computes; exudyn takes ten times as long, both stand side by side.
-    prestress
-        none: elastic stiffness alone; axial: with the axial forces of the rigid motion;
-        equilibrium: at the nonlinear quasi-static equilibrium.
-    """
-    from flexmech.analyses.campbell.compute import campbell as analysis
-    from flexmech.crank_values import CAMPBELL
-
-    mechanism = mechanism_of(model)
-    speeds = speeds_or_own(speeds, mechanism, "--speeds", CAMPBELL)
-    deliver(
-        analyses.CampbellDiagram,
-        lambda progress: analysis(
-            analyses.chosen_engines(mechanism, engine, element, elements),
-            speeds.numbers,
-            crank_angles=angles,
-            orders=orders,
-            modes=modes,
-            prestress=prestress,
-            rotation_terms=rotation_terms,
-            environment=environment,
-            speed_unit=speeds.unit,
-            tolerance=tolerance if elements is None else None,
-            progress=progress,
-        ),
-        output,
-        model=model,
-        speeds=speeds,
-    )
+campbell = question(
+    "campbell",
+    "CampbellDiagram",
+    CampbellOptions,
+    engine="reference",
+    rotation_terms=options.ALL,
+    tolerance=TOLERANCE,
+)
 
 
 def stability(

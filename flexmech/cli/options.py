@@ -16,11 +16,9 @@ from flexmech.errors import InputError
 # Defaults as users type them.
 EVERY_5_DEGREES: Any = "0:360:5"
 EVERY_DEGREE: Any = "0:360:1"
-FIRST_ORDERS: Any = "1:10"
 AUTO: Any = "auto"
 ALL: Any = "all"
 ZERO: Any = "0"
-HALF: Any = "50%"
 PNG: Any = "png"
 
 Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL", parser=typed_path)]

@@ -48,7 +48,7 @@ class Run(NamedTuple):
 
         speed = speeds_or_own(self.speed, mechanism, "--speed", DRIVE_OR_GREATEST)
         with naming("--revolutions, --samples, --run-up, --step"):
-            request = replace(self.request, **speed.of_run)
+            request = replace(self.request, **speed.keywords())
         if self.revolutions is not None and request.ends_with_a_law:
             said = [speed.remark, NO_TURNS] if speed.remark else [NO_TURNS]
             speed = replace(speed, remark="\n".join(said))

@@ -236,7 +236,7 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
     ),
     "campbell": (
         flexmech.campbell,
-        {"engine": ARM, "crank_speeds": [0.0], "crank_angles": [0.0, 2.0, 4.0], "orders": (1,)},
+        {"mechanism": ARM, "crank_speeds": [0.0], "crank_angles": [0.0, 2.0, 4.0], "orders": (1,)},
     ),
     "response": (flexmech.response, {"engines": ARM, "speed": RUN, "check_mesh": False}),
     "run": (ResponseRequest, {"speed": DRIVE, "revolutions": 1.0, "samples": 60, "step": 1e-3}),
@@ -247,8 +247,8 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
         {"crank_angles": np.zeros(1), "lumped": (1, 4, 4)},
     ),
     "counterweights": (
-        flexmech.BalanceRequest,
-        {"crank_speed": 5.0, "weights": (1, 1, 1), "radii": 0.1, "share": 0.5, "elastic": False},
+        flexmech.analyses.BalanceRequest,
+        {"speed": 5.0, "weights": (1, 1, 1), "radii": 0.1, "share": 0.5, "rigid": True},
     ),
     "paths": (
         flexmech.coupler_paths,
@@ -296,7 +296,8 @@ def test_a_function_takes_what_its_command_takes_or_a_request_that_is_ready():
     ready = flexmech.analyses.KinematicsRequest(5.0, **options)
     assert found.dataset.identical(flexmech.kinematics(MECHANISM, ready).dataset)
     changed = flexmech.kinematics(MECHANISM, ready, lumped=None)
-    assert "lump_position" in found.dataset and "lump_position" not in changed.dataset
+    assert "lump_position" in found.dataset
+    assert "lump_position" not in changed.dataset
     with pytest.raises(InputError, match="engine: an engine is given already"):
         flexmech.strength(ENGINE, 5.0, engine="exudyn")
     assert "Acceleration that the crank has" in flexmech.kinematics.__doc__

@@ -11,7 +11,6 @@ import pytest
 from flexmech import (
     AttachedBody,
     Balance,
-    BalanceRequest,
     FourBar,
     InputError,
     Mechanism,
@@ -31,7 +30,7 @@ TURN = np.radians(np.arange(0.0, 361.0, 5.0))
 
 
 def rigidly(mechanism: Mechanism, **asked: object) -> Balance:
-    return balance(mechanism, BalanceRequest(SPEED, elastic=False, **asked))  # type: ignore[arg-type]
+    return balance(mechanism, SPEED, rigid=True, **asked)  # type: ignore[arg-type]
 
 
 def peak(force: object) -> float:
@@ -220,7 +219,7 @@ def test_a_balanced_force_has_one_moment_about_all_points() -> None:
 )
 def test_other_linkages_are_refused_with_what_they_have(mechanism: object, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        balance(mechanism(), BalanceRequest(5.0, elastic=False))  # type: ignore[operator]
+        balance(mechanism(), 5.0, rigid=True)  # type: ignore[operator]
 
 
 def test_greatest_values_are_sought_between_the_crank_angles() -> None:

@@ -153,7 +153,7 @@ def kinematics() -> flexmech.Kinematics:
 @functools.cache
 def balance() -> flexmech.Balance:
     engine = flexmech.ReferenceEngine(fourbar(), 2)
-    return flexmech.balance(engine, flexmech.BalanceRequest(20.0, crank_angles=TURN))
+    return flexmech.balance(engine, 20.0, crank_angles=TURN)
 
 
 @functools.cache
