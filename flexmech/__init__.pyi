@@ -10,7 +10,6 @@ from . import solvers as solvers
 from . import studies as studies
 from . import verification as verification
 from .analyses import Balance as Balance
-from .analyses import BalanceRequest as BalanceRequest
 from .analyses import CampbellDiagram as CampbellDiagram
 from .analyses import Comparison as Comparison
 from .analyses import ComparisonRequest as ComparisonRequest
@@ -20,7 +19,6 @@ from .analyses import FrequencyRequest as FrequencyRequest
 from .analyses import HammerRequest as HammerRequest
 from .analyses import HammerTest as HammerTest
 from .analyses import Kinematics as Kinematics
-from .analyses import KinematicsRequest as KinematicsRequest
 from .analyses import ModelCheck as ModelCheck
 from .analyses import MoistureUptake as MoistureUptake
 from .analyses import MovingFrequencies as MovingFrequencies
@@ -33,7 +31,6 @@ from .analyses import SectionProfiles as SectionProfiles
 from .analyses import Shaping as Shaping
 from .analyses import StabilityMap as StabilityMap
 from .analyses import Strength as Strength
-from .analyses import StrengthRequest as StrengthRequest
 from .analyses import check_mechanism as check_mechanism
 from .analyses import compare_with_record as compare_with_record
 from .analyses import coupler_paths as coupler_paths

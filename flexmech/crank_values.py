@@ -7,12 +7,15 @@ import re
 from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flexmech import units
 from flexmech.errors import InputError
 from flexmech.plausible import check_plausible, of_dimension
 from flexmech.quantity_lists import Quantities, parse_quantities
+
+if TYPE_CHECKING:
+    from flexmech.arrays import FloatArray
 
 MOST_ANGLES = 100_000
 """More crank angles than this, every 0.004 deg of a turn, are taken for a slip of the keyboard."""
@@ -62,21 +65,72 @@ class Speeds:
         [speed] = self.numbers
         return speed
 
-    @property
-    def of_run(self) -> dict[str, Any]:
-        """What a request of a run is told of it: a speed in its unit, or a drive."""
+    def keywords(self, name: str = "speed") -> dict[str, Any]:
+        """What an analysis is given: numbers in their unit, of ``"speed"`` one, or the drive."""
         if self.drive is not None:
-            return {"speed": self.drive}
-        return {"speed": self.single, "speed_unit": self.unit}
+            return {name: self.drive}
+        return {name: self.single if name == "speed" else self.numbers, "speed_unit": self.unit}
 
-    @property
-    def of_states(self) -> dict[str, Any]:
-        """What a request of the rigid linkage's states is told of it."""
-        if self.drive is None:
-            return {"crank_speed": self.single, "speed_unit": self.unit}
-        return (
-            {"crank_speed": self.drive.speed} if self.drive.is_constant else {"drive": self.drive}
-        )
+
+@dataclass(frozen=True)
+class UsualSpeeds:
+    """Evenly spaced crank speeds that an analysis takes where none are asked for.
+
+    Parameters
+    ----------
+    first, last : float
+        Over the greatest speed at which the mechanism operates.
+    count : int
+    or_rest : bool
+        Whether a mechanism that names no speed stands still.
+    or_drive : bool
+        Whether the drive of a mechanism that has one is taken in place of speeds.
+    """
+
+    first: float
+    last: float
+    count: int
+    or_rest: bool = False
+    or_drive: bool = False
+
+    def __call__(self, mechanism: Any) -> FloatArray:
+        """Those of a mechanism in rad/s; refused where it names no speed at which it turns."""
+        import numpy as np
+
+        greatest = max(mechanism.operating_speeds, key=abs, default=0.0)
+        if not greatest and not self.or_rest:
+            raise InputError(
+                "is left out, and the model names no crank speed; give it, or write in the model "
+                'file, under [operation], crank_speeds = ["300 rpm"]'
+            )
+        return np.asarray(greatest * np.linspace(self.first, self.last, self.count))
+
+
+# Beyond the greatest speed by a half: what a machine that is made faster meets next. The numbers of
+# steps alone are of speed; with both of them the greatest speed is one of the steps.
+CAMPBELL = UsualSpeeds(0.0, 1.5, 61)
+# At standstill there is no period.
+STABILITY = UsualSpeeds(0.5, 1.5, 41)
+GREATEST = UsualSpeeds(1.0, 1.0, 1)
+GREATEST_OR_REST = UsualSpeeds(1.0, 1.0, 1, or_rest=True)
+DRIVE_OR_GREATEST = UsualSpeeds(1.0, 1.0, 1, or_drive=True)
+DRIVE_OR_REST = UsualSpeeds(1.0, 1.0, 1, or_rest=True, or_drive=True)
+
+
+# Of linkages whose file names no speed: standstill, and the speeds of the first examples.
+SPEEDS = (0.0, 10.0, 20.0)
+
+
+def operating_speeds(mechanism: Any) -> FloatArray:
+    """Standstill and the speeds in rad/s at which a mechanism operates, ascending.
+
+    0, 10 and 20 rad/s, the speeds of Kumar & Chandrakar, if it names none.
+    """
+    import numpy as np
+
+    return np.array(
+        sorted({0.0, *mechanism.operating_speeds}) if mechanism.operating_speeds else SPEEDS
+    )
 
 
 def typed_speeds(text: str, option: str) -> Speeds:
@@ -257,3 +311,38 @@ def parse_crank_angles(text: str) -> list[float]:
                 "need be)"
             )
     return list(angles)
+
+
+# More are taken for a slip: a thousand rays are drawn as one surface.
+MOST_ORDER = 1000
+
+
+def parse_orders(text: str) -> list[int]:
+    """Orders as a user writes them: a comma list, START:STOP or START:STOP:STEP; sorted.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    list of int
+
+    Raises
+    ------
+    InputError
+        If it is anything else, or an order is there twice.
+    """
+    remedy = 'write whole numbers from 1 on: "1:10", or with a step "2:12:2", or a list "1,2,4"'
+    separator = ":" if ":" in text else ","
+    parts = [units.parse_number(part) for part in text.split(separator)]
+    if any(part != int(part) or not 1 <= part <= MOST_ORDER for part in parts):
+        raise InputError(f"got {text!r}; {remedy} (up to {MOST_ORDER})")
+    whole = [int(part) for part in parts]
+    if separator == ":":
+        if len(whole) not in (2, 3) or whole[1] < whole[0]:
+            raise InputError(f"got {text!r}, which is no range; {remedy}")
+        return list(range(whole[0], whole[1] + 1, *whole[2:]))
+    if len(set(whole)) < len(whole):
+        raise InputError(f"got {text!r}, which repeats an order; give each one once")
+    return sorted(whole)

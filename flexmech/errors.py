@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Self
 
 from flexmech.unit_registry import from_si
@@ -89,6 +90,15 @@ class LockingError(InputError):
 
 class ComputationError(FlexmechError, RuntimeError):
     """What was asked for is well posed, but the computation failed."""
+
+
+@contextmanager
+def naming(option: str) -> Iterator[None]:
+    """Put the name of an option in front of the message where its value is refused."""
+    try:
+        yield
+    except InputError as error:
+        raise error.within(option) from error
 
 
 def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from _common import four_bar, output_folder, save_pictures
 
-from flexmech import Kinematics, KinematicsRequest, kinematics, plots
+from flexmech import Kinematics, kinematics, plots
 
 SPEED = 190.0
 PAPER = (1, 4, 4)
@@ -57,12 +57,7 @@ def main(out: Path) -> LumpedAnswer:
     """
     mechanism = four_bar("aluminium")
     results = {
-        times: kinematics(
-            mechanism,
-            KinematicsRequest(
-                crank_speed=SPEED, lumped=[times * n for n in PAPER], speed_unit="rpm"
-            ),
-        )
+        times: kinematics(mechanism, SPEED, lumped=[times * n for n in PAPER], speed_unit="rpm")
         for times in FINER
     }
     answer = LumpedAnswer(

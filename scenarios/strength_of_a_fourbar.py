@@ -23,16 +23,8 @@ import xarray as xr
 from _common import four_bar, output_folder, save_pictures
 from matplotlib.figure import Figure
 
-from flexmech import (
-    BeamSection,
-    FatigueStrength,
-    JointPin,
-    Mechanism,
-    Strength,
-    StrengthRequest,
-    plots,
-    strength,
-)
+from flexmech import BeamSection, FatigueStrength, JointPin, Mechanism, Strength, plots, strength
+from flexmech.analyses import StrengthRequest
 from flexmech.arrays import FloatArray
 
 SPEEDS = np.arange(10.0, 86.0, 5.0)
@@ -100,14 +92,14 @@ def main(
     StrengthAnswer
     """
     mechanism = with_strengths(four_bar("aluminium"))
-    asked = StrengthRequest() if angles is None else StrengthRequest(angles)
+    asked = StrengthRequest() if angles is None else StrengthRequest(crank_angles=angles)
     rows = [
         [_factors(strength(mechanism, _at(asked, source, speed))) for speed in speeds]
         for source in SOURCES
     ]
     factors = xr.concat([xr.concat(row, "speed") for row in rows], "source")
     factors = factors.assign_coords(source=list(SOURCES), speed=speeds)
-    shown = strength(mechanism, replace(asked, crank_speed=SHOWN))
+    shown = strength(mechanism, replace(asked, speed=SHOWN))
     answer = StrengthAnswer(factors, shown)
     part, kind, speed = answer.first
     print(f"{part} fails first, {KINDS[kind].split()[0].lower()}, at {speed:.1f} rad/s")
@@ -134,7 +126,7 @@ def with_strengths(mechanism: Mechanism) -> Mechanism:
 
 def _at(asked: StrengthRequest, source: str, speed: float) -> StrengthRequest:
     """A request without a search of the speed, which is gone through here."""
-    return replace(asked, source=source, crank_speed=float(speed), search_speed=False)  # type: ignore[arg-type]
+    return replace(asked, source=source, speed=float(speed), search_speed=False)  # type: ignore[arg-type]
 
 
 def _factors(result: Strength) -> xr.DataArray:

@@ -56,8 +56,7 @@ class PaperTables:
     def lumps(self) -> str:
         """K, beside Figure 1.5: places of the lumped masses."""
         steel = flexmech.load_mechanism(MODELS / "steel_fourbar.toml")
-        request = flexmech.KinematicsRequest(np.zeros(1), 0.0, (1, 4, 4))
-        data = flexmech.kinematics(steel, request).dataset
+        data = flexmech.kinematics(steel, 0.0, crank_angles=np.zeros(1), lumped=(1, 4, 4)).dataset
         place = 1e3 * data["lump_position"].values
         # Two lumps of the crank, five of the coupler from A on, five of the rocker from O4 on.
         ours = {"d4": place[3], "d5": place[4], "d6": place[5]}

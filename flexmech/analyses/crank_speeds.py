@@ -8,13 +8,12 @@ mechanism's, and results speak in the unit of its file.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
-from flexmech.crank_values import Speeds
+from flexmech.crank_values import Speeds, UsualSpeeds
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
 from flexmech.units import ANGULAR_SPEED, from_si, to_si
@@ -80,49 +79,6 @@ def one_rad_per_s(value: float, unit: str | None, name: str = "crank_speed") -> 
     """
     check_number(value, name, unit or RAD_S)
     return float(rad_per_s(value, unit, name))
-
-
-@dataclass(frozen=True)
-class UsualSpeeds:
-    """Evenly spaced crank speeds that an analysis takes where none are asked for.
-
-    Parameters
-    ----------
-    first, last : float
-        Over the greatest speed at which the mechanism operates.
-    count : int
-    or_rest : bool
-        Whether a mechanism that names no speed stands still.
-    or_drive : bool
-        Whether the drive of a mechanism that has one is taken in place of speeds.
-    """
-
-    first: float
-    last: float
-    count: int
-    or_rest: bool = False
-    or_drive: bool = False
-
-    def __call__(self, mechanism: Mechanism) -> FloatArray:
-        """Those of a mechanism in rad/s; refused where it names no speed at which it turns."""
-        greatest = max(mechanism.operating_speeds, key=abs, default=0.0)
-        if not greatest and not self.or_rest:
-            raise InputError(
-                "is left out, and the model names no crank speed; give it, or write in the model "
-                'file, under [operation], crank_speeds = ["300 rpm"]'
-            )
-        return np.asarray(greatest * np.linspace(self.first, self.last, self.count))
-
-
-# Beyond the greatest speed by a half: what a machine that is made faster meets next. The numbers of
-# steps alone are of speed; with both of them the greatest speed is one of the steps.
-CAMPBELL = UsualSpeeds(0.0, 1.5, 61)
-# At standstill there is no period.
-STABILITY = UsualSpeeds(0.5, 1.5, 41)
-GREATEST = UsualSpeeds(1.0, 1.0, 1)
-GREATEST_OR_REST = UsualSpeeds(1.0, 1.0, 1, or_rest=True)
-DRIVE_OR_GREATEST = UsualSpeeds(1.0, 1.0, 1, or_drive=True)
-DRIVE_OR_REST = UsualSpeeds(1.0, 1.0, 1, or_rest=True, or_drive=True)
 
 
 def asked_speeds(
@@ -205,7 +161,8 @@ def told_speeds(mechanism: Mechanism, speeds: FloatArray) -> str:
 
     Examples
     --------
-    >>> from flexmech.analyses.crank_speeds import CAMPBELL, told_speeds
+    >>> from flexmech.analyses.crank_speeds import told_speeds
+    >>> from flexmech.crank_values import CAMPBELL
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
     >>> told_speeds(mechanism, CAMPBELL(mechanism))
     'speeds of the model file: 0 to 30 rad/s'

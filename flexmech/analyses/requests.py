@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import reprlib
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, TypeVar
+from dataclasses import replace
+from typing import Any, Generic, ParamSpec, Protocol, TypeVar, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.analyses.default_engines import engine_for
+from flexmech.analyses.default_engines import chosen_engines, engine_for
+from flexmech.analyses.options import EngineOptions, entries, with_entries
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, SHAFTS, ShaftChoice
 from flexmech.errors import InputError, suggestion
@@ -147,6 +151,91 @@ def engines_of(
         check_choice(shaft, SHAFTS, "shaft")
         found = [e if e.shaft == shaft else e.with_(shaft=shaft) for e in found]
     return found if modes is None else [engine.fit_for(modes) for engine in found]
+
+
+def asked_engines(value: Engines, request: EngineOptions, elements: int | None = None) -> Engines:
+    """The engines given, or of a mechanism those that a request names.
+
+    Parameters
+    ----------
+    value : Engine, Mechanism or sequence of them
+    request : EngineOptions
+    elements : int, optional
+        On each link of the engines that are made.
+
+    Returns
+    -------
+    Engine, Mechanism or sequence of them
+
+    Raises
+    ------
+    InputError
+        If an engine or an element is named beside an engine.
+    """
+    if isinstance(value, Mechanism):
+        return chosen_engines(value, request.engine or "reference", request.element, elements)
+    for name in ("engine", "element"):
+        if getattr(request, name) is not None:
+            raise InputError(
+                f"{name}: an engine is given already; leave {name} out, or give the mechanism in "
+                "place of the engine"
+            )
+    return value
+
+
+Subject = TypeVar("Subject", contravariant=True)
+Request = TypeVar("Request", contravariant=True)
+Answer = TypeVar("Answer", covariant=True)
+Keywords = ParamSpec("Keywords")
+
+
+class Analysis(Protocol, Generic[Subject, Keywords, Request, Answer]):
+    """A function that takes what is asked by keyword, or as a request that these make."""
+
+    @overload
+    def __call__(self, mechanism: Subject, request: Request, /, **changes: Any) -> Answer: ...
+    @overload
+    def __call__(
+        self, mechanism: Subject, /, *fields: Keywords.args, **named: Keywords.kwargs
+    ) -> Answer: ...
+
+
+def asks(
+    request: Callable[Keywords, Request],
+) -> Callable[[Callable[[Subject, Request], Answer]], Analysis[Subject, Keywords, Request, Answer]]:
+    """Let a function of a mechanism and a request take the fields of the request by keyword.
+
+    Parameters
+    ----------
+    request : type
+        A dataclass, whose fields and their entries in the docstring become those of the function.
+
+    Returns
+    -------
+    callable
+        The decorator. A request that is ready can be given too; keywords beside it change it.
+    """
+
+    def decorated(
+        compute: Callable[[Subject, Request], Answer],
+    ) -> Analysis[Subject, Keywords, Request, Answer]:
+        mechanism = next(iter(inspect.signature(compute).parameters.values()))
+        fields = inspect.signature(request).parameters.values()
+        signature = inspect.Signature([mechanism, *fields])
+
+        @functools.wraps(compute)
+        def answer(*given: Any, **named: Any) -> Answer:
+            if len(given) == 2 and isinstance(given[1], cast(type, request)):
+                ready: Any = given[1]
+                return compute(given[0], replace(ready, **named) if named else ready)
+            values = signature.bind(*given, **named).arguments
+            return compute(values.pop(mechanism.name), request(**values))  # type: ignore[call-arg]
+
+        answer.__signature__ = signature  # type: ignore[attr-defined]
+        answer.__doc__ = with_entries(compute.__doc__ or "", entries(request.__doc__ or ""))
+        return cast(Analysis[Subject, Keywords, Request, Answer], answer)
+
+    return decorated
 
 
 def link_of(value: str, names: Collection[str]) -> str:

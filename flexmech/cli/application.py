@@ -117,7 +117,7 @@ class _Commands(TyperGroup):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read a command line, in which some options of its command may stand without a value."""
         command = _NAMED.get(next(iter(args), ""))
-        known = inspect.signature(command).parameters if command else {}
+        known = inspect.signature(from_options(command)).parameters if command else {}
         for moved in (f"{args[0]} {arg.partition('=')[0]}" for arg in args[1:]):
             if moved in _MOVED:
                 raise _UsageError(f"{moved.split()[1]}: {_MOVED[moved]}")

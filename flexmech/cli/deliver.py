@@ -24,9 +24,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import typer
 
 from flexmech.choices import PICTURE_FORMATS, PageWidth, PictureFormat
-from flexmech.cli.failures import naming, telling
-from flexmech.cli.typed import Speeds
-from flexmech.errors import one_line
+from flexmech.cli.failures import telling
+from flexmech.crank_values import Speeds
+from flexmech.errors import naming, one_line
 from flexmech.files import check_writable, given_path, moved_into, named_files, with_section
 
 if TYPE_CHECKING:

@@ -13,12 +13,14 @@ from typing import Annotated, Any
 from typer import Argument, Option, echo
 
 from flexmech import analyses, studies, verification
+from flexmech.analyses import typed
+from flexmech.analyses.typed import Together
 from flexmech.choices import MOST_SEED, TOLERANCE, EngineName, ReportPart
-from flexmech.cli import options, typed
+from flexmech.cli import options
+from flexmech.cli.asking import speeds_or_own
 from flexmech.cli.deliver import command_line, deliver, mechanism_of, progress_bar, say, typed_path
-from flexmech.cli.failures import naming, telling
-from flexmech.cli.reading import Together
-from flexmech.errors import ComputationError, InputError, one_line
+from flexmech.cli.failures import telling
+from flexmech.errors import ComputationError, InputError, naming, one_line
 from flexmech.files import check_writable, given_path
 
 Samples = Annotated[int | None, Option(min=1)]
@@ -136,8 +138,8 @@ def report(
     import numpy as np
 
     from flexmech.analyses.crank_speeds import in_unit, rad_per_s
-    from flexmech.analyses.frequencies.request import operating_speeds
     from flexmech.analyses.result import reported_as_damaged
+    from flexmech.crank_values import operating_speeds
     from flexmech.report import (
         ReportRequest,
         check_extra,
@@ -164,11 +166,11 @@ def report(
             results = stored_results(source)
         else:
             mechanism = mechanism_of(model)
-            speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
+            speeds = speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
             unit, remark, over = speeds.unit, speeds.remark, campbell_speeds
             request = ReportRequest(
                 np.array(speeds.numbers),
-                typed.radians(angles),
+                angles,
                 include,
                 None if over is None else in_unit(rad_per_s(over.numbers, over.unit), unit),
                 modes,

@@ -11,7 +11,7 @@ from typing import ParamSpec
 import typer
 
 from flexmech.cli.stopping import Stopped, answered_signals, interrupted_line
-from flexmech.errors import ComputationError, FlexmechError, InputError, one_line
+from flexmech.errors import ComputationError, FlexmechError, one_line
 from flexmech.files import written_at
 
 Parameters = ParamSpec("Parameters")
@@ -57,15 +57,6 @@ def _stopped(error: BaseException, answered: tuple[int, ...]) -> Stopped | None:
     if answered:
         return Stopped(answered[-1])
     return Stopped(signal.SIGINT) if isinstance(error, KeyboardInterrupt) else None
-
-
-@contextmanager
-def naming(option: str) -> Iterator[None]:
-    """Put the name of an option in front of the message where its value is refused."""
-    try:
-        yield
-    except InputError as error:
-        raise error.within(option) from error
 
 
 @contextmanager

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Option
 
 from flexmech import analyses, choices
-from flexmech.cli import options, typed
+from flexmech.analyses import typed
+from flexmech.cli import options
+from flexmech.cli.asking import speeds_or_own
 from flexmech.cli.deliver import deliver, mechanism_of
-from flexmech.cli.failures import naming
-from flexmech.errors import InputError
+from flexmech.errors import InputError, naming
 
 if TYPE_CHECKING:
     from flexmech.arrays import LabelledProgress
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 def hammer(
     model: options.Model,
-    angle: Annotated[list[float], typed.LOCKED_ANGLES] = options.ZERO,
+    angle: Annotated[typed.FloatArray, typed.LOCKED_ANGLES] = options.ZERO,
     impact: Annotated[typed.LinkPoint | None, typed.IMPACT] = None,
     response: Annotated[typed.LinkPoint | None, typed.RESPONSE] = None,
     direction: choices.LinkDirection = "transverse",
@@ -86,10 +87,10 @@ def hammer(
         Of the noise: the same seed gives the same noise.
     """
     from flexmech.analyses import running_hammer_test
-    from flexmech.analyses.crank_speeds import GREATEST
     from flexmech.analyses.damping_ratios import with_damping_ratio
     from flexmech.analyses.hammer.compute import hammer_test
     from flexmech.analyses.hammer.request import middle_of
+    from flexmech.crank_values import GREATEST
     from flexmech.measured_data import check_uff
 
     mechanism = mechanism_of(model)
@@ -113,12 +114,12 @@ def hammer(
         "grid": grid,
     }
     with naming("--pulse, --duration, --averages, --noise"):
-        angles, locked = typed.radians(angle), prestress or "none"
+        angles, locked = angle, prestress or "none"
         request = analyses.HammerRequest(angles, prestress=locked, **record, **impacts)
     if running is not None:
         usual = analyses.HammerRequest(0.0)
         given = [name for name in impacts if impacts[name] != getattr(usual, name)]
-        given += ["angle"] * (angle != [0.0]) + ["uff"] * uff
+        given += ["angle"] * (angle.tolist() != [0.0]) + ["uff"] * uff
         if given:
             raise InputError(
                 f"--{given[0]} does not go with --running, which hits nothing: its answer is that "
@@ -131,7 +132,7 @@ def hammer(
     chosen = analyses.chosen_engines(mechanism, engine, element, elements)[0]
     if running is not None:
         own = running if running.numbers else None  # --running alone
-        running = typed.speeds_or_own(own, mechanism, "--running", GREATEST)
+        running = speeds_or_own(own, mechanism, "--running", GREATEST)
         record |= {"prestress": prestress or "equilibrium", "damping_ratio": damping_ratio}
         asked = analyses.RunningHammerRequest(running.single, **record, speed_unit=running.unit)
         deliver(
@@ -195,12 +196,12 @@ def compare(
     engine
         Which engine computes.
     """
-    from flexmech.analyses.crank_speeds import GREATEST
+    from flexmech.crank_values import GREATEST
     from flexmech.measured_data import read_record
 
     mechanism, taken = mechanism_of(model), read_record(record)
     if speed is None and angle is None and taken.abscissa == "time":
-        speed = typed.speeds_or_own(speed, mechanism, "--speed", GREATEST)
+        speed = speeds_or_own(speed, mechanism, "--speed", GREATEST)
     if (speed is None) == (angle is None):
         raise InputError(
             "--speed, --angle: give one of them: the crank speed at which the record was taken, or "

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 import sys
-from functools import partial
 from typing import Annotated, get_args
 
 import typer
 from typer import Argument, Option
 
 from flexmech import analyses, studies
-from flexmech.choices import ELEMENTS_A_LINK, CriterionName, LoadSource, TemplateKind
-from flexmech.cli import options, typed
+from flexmech.analyses import typed
+from flexmech.analyses.options import StrengthOptions
+from flexmech.analyses.typed import Together
+from flexmech.choices import TemplateKind
+from flexmech.cli import options
+from flexmech.cli.asking import question
 from flexmech.cli.deliver import deliver, mechanism_of
-from flexmech.cli.reading import Together
 from flexmech.errors import InputError, one_line, suggestion
 from flexmech.example_models import example_model, example_names
 from flexmech.files import given_path, write_whole
@@ -98,39 +100,7 @@ def moisture(
     )
 
 
-def strength(
-    model: options.Model,
-    speed: Annotated[typed.Speeds | None, typed.SPEED_OR_REST] = None,
-    source: LoadSource = "quasi-static",
-    criterion: CriterionName | None = None,
-    engine: options.Engine = "reference",
-    element: options.Element = None,
-    elements: options.Elements = ELEMENTS_A_LINK,
-    angles: options.Angles = options.EVERY_5_DEGREES,
-    *,
-    environment: options.AskedEnvironment,
-    output: options.AskedOutput,
-) -> None:
-    """Whether links or pins fail under their running loads: which first, how, by what factor.
-
-    Options
-    -------
-    speed : W
-        Crank speed: rad/s unless a unit is given, as in "950 rpm". Left out: the model's greatest.
-    source
-        Whose forces: of links bent at rest in their frames, vibrating, in a run, or taken as rigid.
-    criterion
-        Of plies with fibres; left out: tsai-wu. Isotropic layers are judged by von-mises.
-    """
-    from flexmech.analyses.crank_speeds import GREATEST_OR_REST
-    from flexmech.analyses.strength.compute import strength as judged
-
-    mechanism = mechanism_of(model)
-    speed = typed.speeds_or_own(speed, mechanism, "--speed", GREATEST_OR_REST)
-    asked = typed.radians(angles), speed.single, criterion, speed.unit, elements, environment
-    request = analyses.StrengthRequest(*asked, source)
-    run = partial(judged, analyses.chosen_engines(mechanism, engine, element, elements), request)
-    deliver(analyses.Strength, lambda bar: run(progress=bar), output, model=model, speeds=speed)
+strength = question("strength", "Strength", StrengthOptions, engine="reference")
 
 
 def asked_sizes(

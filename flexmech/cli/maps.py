@@ -7,11 +7,14 @@ from typing import Annotated
 import typer
 
 from flexmech import analyses, choices
+from flexmech.analyses import typed
+from flexmech.analyses.options import CampbellOptions
 from flexmech.choices import ELEMENTS_A_LINK, KEPT_MODES, TOLERANCE
-from flexmech.cli import options, typed
+from flexmech.cli import options
+from flexmech.cli.asking import question, speeds_or_own
 from flexmech.cli.deliver import deliver, mechanism_of
-from flexmech.cli.failures import naming
 from flexmech.cli.stopping import Stopped, answered_signals
+from flexmech.errors import naming
 
 
 def frequencies(
@@ -19,7 +22,7 @@ def frequencies(
     speeds: options.Speeds = None,
     angles: options.Angles = options.EVERY_5_DEGREES,
     modes: options.Modes = None,
-    shapes_at: Annotated[list[float] | None, typed.SHAPES_AT] = None,
+    shapes_at: Annotated[typed.FloatArray | None, typed.SHAPES_AT] = None,
     engine: options.Engine = "both",
     element: options.Element = None,
     prestress: choices.MapPrestress = "equilibrium",
@@ -50,16 +53,16 @@ def frequencies(
         distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve of a
         four-bar. Of the reference engine; Exudyn keeps distributed mass.
     """
-    from flexmech.analyses.frequencies.request import operating_speeds
+    from flexmech.crank_values import operating_speeds
 
     mechanism = mechanism_of(model)
     drawn = bool(output.pictures.formats)
-    speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
+    speeds = speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
     deliver(
         analyses.MovingFrequencies,
         lambda progress: analyses.moving_frequencies(
             analyses.chosen_engines(mechanism, engine, element, elements, mass=mass),
-            typed.radians(angles),
+            angles,
             speeds.numbers,
             modes=modes,
             prestress=prestress,
@@ -68,7 +71,7 @@ def frequencies(
             environment=environment,
             speed_unit=speeds.unit,
             tolerance=tolerance if elements is None else None,
-            shapes_at=None if shapes_at is None else typed.radians(shapes_at),
+            shapes_at=None if shapes_at is None else shapes_at,
             smooth=drawn,
             shaft=shaft,
             progress=progress,
@@ -79,65 +82,14 @@ def frequencies(
     )
 
 
-def campbell(
-    model: options.Model,
-    speeds: Annotated[typed.Speeds | None, typed.SPEEDS] = None,
-    orders: Annotated[list[int], typed.ORDERS] = options.FIRST_ORDERS,
-    angles: options.Angles = options.EVERY_5_DEGREES,
-    modes: options.Modes = None,
-    engine: choices.EngineChoice = "reference",
-    element: options.Element = None,
-    prestress: choices.Prestress = "equilibrium",
-    rotation_terms: options.RotationTerms = options.ALL,
-    elements: options.PinnedElements = None,
-    tolerance: options.Tolerance = TOLERANCE,
-    *,
-    environment: options.AskedEnvironment,
-    output: options.AskedOutput,
-) -> None:
-    """Which crank speeds to avoid: a Campbell diagram.
-
-    Each branch's lowest, mean and highest frequency over the turn against crank speed, and the
-    speeds at which multiples of the crank's speed meet them: a table, CSV and NetCDF files, and a
-    picture; dry, or in heat and moisture.
-
-    Options
-    -------
-    speeds : LIST
-        Crank speeds: START:STOP:STEP or a comma list with one unit at the end, as in "0:900:10
-        rpm"; rad/s if there is none. Left out: from 0 to 1.5 times the model's greatest.
-    orders : LIST
-        Multiples of the crank's speed: START:STOP, or a comma list such as "1,2,4".
-    engine
-        Which engine computes; exudyn takes ten times as long, both stand side by side.
-    prestress
-        none: elastic stiffness alone; axial: with the axial forces of the rigid motion;
-        equilibrium: at the nonlinear quasi-static equilibrium.
-    """
-    from flexmech.analyses.campbell.compute import campbell as analysis
-    from flexmech.analyses.crank_speeds import CAMPBELL
-
-    mechanism = mechanism_of(model)
-    speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", CAMPBELL)
-    deliver(
-        analyses.CampbellDiagram,
-        lambda progress: analysis(
-            analyses.chosen_engines(mechanism, engine, element, elements),
-            speeds.numbers,
-            crank_angles=typed.radians(angles),
-            orders=orders,
-            modes=modes,
-            prestress=prestress,
-            rotation_terms=rotation_terms,
-            environment=environment,
-            speed_unit=speeds.unit,
-            tolerance=tolerance if elements is None else None,
-            progress=progress,
-        ),
-        output,
-        model=model,
-        speeds=speeds,
-    )
+campbell = question(
+    "campbell",
+    "CampbellDiagram",
+    CampbellOptions,
+    engine="reference",
+    rotation_terms=options.ALL,
+    tolerance=TOLERANCE,
+)
 
 
 def stability(
@@ -186,12 +138,12 @@ def stability(
         quantity of the model file such as links.coupler.in_plane_thickness; over a comma list or
         START:STOP:STEPS, as in "damping-ratio 0:2%:20" for 20 equal steps from 0 to 2 %.
     """
-    from flexmech.analyses.crank_speeds import STABILITY
     from flexmech.analyses.stability.against import asked_range
     from flexmech.analyses.stability.compute import stability as analysis
+    from flexmech.crank_values import STABILITY
 
     mechanism = mechanism_of(model)
-    speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", STABILITY)
+    speeds = speeds_or_own(speeds, mechanism, "--speeds", STABILITY)
     with naming("--against"):
         second = None if against is None else asked_range(mechanism, *against)
     earlier = len(answered_signals())

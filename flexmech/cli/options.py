@@ -8,19 +8,17 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from flexmech import choices
-from flexmech.cli import typed
+from flexmech.analyses import typed
+from flexmech.analyses.typed import Together
 from flexmech.cli.deliver import Output, Pictures, Printing, typed_path
-from flexmech.cli.reading import Together
 from flexmech.errors import InputError
 
 # Defaults as users type them.
 EVERY_5_DEGREES: Any = "0:360:5"
 EVERY_DEGREE: Any = "0:360:1"
-FIRST_ORDERS: Any = "1:10"
 AUTO: Any = "auto"
 ALL: Any = "all"
 ZERO: Any = "0"
-HALF: Any = "50%"
 PNG: Any = "png"
 
 Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL", parser=typed_path)]
@@ -32,7 +30,7 @@ Link = Annotated[str | None, Option(help="This link alone, such as coupler.", me
 
 # Where, and at what speed.
 Angles = Annotated[
-    list[float],
+    typed.FloatArray,
     Option(
         help="Crank angles in degrees: START:STOP:STEP, a comma list, or both, as in "
         '"10:170:10,190:350:10".'
@@ -116,13 +114,12 @@ Shaft = Annotated[
     ),
 ]
 
-_TIME = Option("--time", "--exposure-time")
-ExposureTime = Annotated[float, _TIME, typed.EXPOSURE_TIME]
+ExposureTime = Annotated[float, typed.EXPOSURE_TIME]
 
 
 def asked_pictures(
     no_plots: Annotated[bool, Option("--no-plots")] = False,
-    formats: Annotated[tuple[choices.PictureFormat, ...], Option("--format"), typed.FORMATS] = PNG,
+    formats: Annotated[tuple[choices.PictureFormat, ...], typed.FORMATS] = PNG,
     width: choices.PageWidth = "two-column",
 ) -> Pictures:
     """Formats and width of the pictures.
@@ -186,32 +183,6 @@ def asked_optional_output(
     return Output(out, pictures, printing)
 
 
-def asked_environment(
-    temperature_rise: Annotated[float | None, typed.TEMPERATURE_RISE] = None,
-    moisture: Annotated[float | None, typed.MOISTURE] = None,
-    relative_humidity: Annotated[float | None, typed.RELATIVE_HUMIDITY] = None,
-    time: Annotated[float | None, _TIME, typed.EXPOSURE_TIME] = None,
-) -> typed.Environment | None:
-    """Heat and moisture, or the exposure to them; None if nothing is asked for.
-
-    Options
-    -------
-    temperature_rise : C
-        Temperature over the model's reference temperature: degrees Celsius unless a unit is given.
-    moisture : PERCENT
-        Moisture of every resin: mass of water over its dry mass, in percent.
-    relative_humidity : PERCENT
-        Instead of --moisture: humidity of the surrounding air in percent, with --time.
-    time : T
-        Time of exposure since the links were dry, such as "30 day".
-    """
-    if (temperature_rise, moisture, relative_humidity, time) == (None,) * 4:
-        return None
-    from flexmech.hygrothermal import environment_of
-
-    return environment_of(temperature_rise or 0.0, moisture, relative_humidity, time)
-
-
 AskedOutput = Annotated[Output, Together(asked_output)]
 AskedOptionalOutput = Annotated[Output, Together(asked_optional_output)]
-AskedEnvironment = Annotated[typed.Environment | None, Together(asked_environment)]
+AskedEnvironment = Annotated[typed.Environment | None, typed.ENVIRONMENT]

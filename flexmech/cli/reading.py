@@ -14,54 +14,25 @@ import inspect
 import re
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass
-from typing import Annotated, Any, get_args
+from dataclasses import MISSING, fields
+from inspect import isclass
+from typing import Annotated, Any, get_args, get_type_hints
 
 from typer import Option
 
-from flexmech.cli.failures import naming
+from flexmech.analyses.options import entries
+from flexmech.analyses.typed import OWN, Plain, Together, Typed
 
 _HEADING = "Options\n-------\n"
-_ENTRY = re.compile(r"^(\w+)(?: : (.+))?\n((?:    .+(?:\n|$))+)", re.MULTILINE)
+_ANY_HEADING = r"(?m)^\w+\n-{3,}$"
 
 
-OWN = "model"
 ALONE = {
     "--rotation-terms": "all",
     "--no-rotation-terms": "--rotation-terms=none",
     "--running": OWN,
 }
 """What options are without a value: all terms or none, and the speed of the model file."""
-
-
-@dataclass(frozen=True)
-class Typed:
-    """An option's own way to read its text.
-
-    Parameters
-    ----------
-    option : str
-        Which messages name.
-    read : callable
-        Takes the text; raises InputError where it cannot be read.
-    """
-
-    option: str
-    read: Callable[[str], Any]
-
-    def __call__(self, text: str | None) -> Any:
-        """What the text says; None where the option was left out."""
-        if text is None:
-            return None
-        with naming(self.option):
-            return self.read(text)
-
-
-@dataclass(frozen=True)
-class Together:
-    """Options of which one value is made: the parameters of a function that makes it."""
-
-    make: Callable[..., Any]
 
 
 def with_value(this: str, following: str) -> str:
@@ -77,26 +48,30 @@ def with_value(this: str, following: str) -> str:
 
 def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The same command as typer takes it: with an option of plain text for all that is read."""
-    words, _, section = inspect.cleandoc(command.__doc__ or "").partition(_HEADING)
-    told = {name: (metavar or None, text) for name, metavar, text in _ENTRY.findall(section)}
+    doc = inspect.cleandoc(command.__doc__ or "")
+    told, of_library = entries(doc, _HEADING), entries(doc)
     shown: list[inspect.Parameter] = []
     readers: dict[str, tuple[list[str], Callable[..., Any]]] = {}
     for name, parameter in inspect.signature(command, eval_str=True).parameters.items():
         marks = getattr(parameter.annotation, "__metadata__", ())
+        mark = next((m for m in marks if isinstance(m, Typed | Plain | Together)), None)
+        if isinstance(mark, Together):
+            make = from_options(_handed_on(mark) if isclass(mark.make) else mark.make)
+            own = list(inspect.signature(make).parameters.values())
+            shown += own
+            readers[name] = [each.name for each in own], make
+            continue
         kind = get_args(parameter.annotation)[0] if marks else parameter.annotation
-        option = next((copy(m) for m in marks if not isinstance(m, Typed | Together)), Option())
+        option = next((copy(m) for m in marks if m is not mark), None) or _option(mark)
+        if isinstance(mark, Typed):
+            kind = str | None if parameter.default is None else str
+            readers[name] = [name], mark
         if name in told:
-            option.metavar, option.help = told[name][0], " ".join(told[name][1].split())
-        own: list[inspect.Parameter] = []
-        for mark in marks:
-            if isinstance(mark, Together):
-                make = from_options(mark.make)
-                own = list(inspect.signature(make).parameters.values())
-                readers[name] = [each.name for each in own], make
-            elif isinstance(mark, Typed):
-                kind = str | None if parameter.default is None else str
-                readers[name] = [name], mark
-        shown += own or [parameter.replace(annotation=Annotated[kind, option])]
+            metavar, help_text = told[name]
+            option.metavar, option.help = metavar or option.metavar, " ".join(help_text.split())
+        elif name in of_library:
+            option.help = " ".join(of_library[name][1].split())
+        shown.append(parameter.replace(annotation=Annotated[kind, option]))
 
     @functools.wraps(command)
     def wrapped(**given: Any) -> Any:
@@ -108,5 +83,59 @@ def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
     shown = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in shown]
     wrapped.__signature__ = inspect.Signature(shown)  # type: ignore[attr-defined]
     wrapped.__annotations__ = {each.name: each.annotation for each in shown}
-    wrapped.__doc__ = words.strip()
+    wrapped.__doc__ = re.split(_ANY_HEADING, doc, maxsplit=1)[0].strip()
     return wrapped
+
+
+def _option(mark: Typed | Plain | None) -> Any:
+    """What typer knows of an option by its mark."""
+    if isinstance(mark, Plain):
+        return Option(mark.option, min=mark.least, max=mark.most)
+    if mark is None:
+        return Option()
+    names = filter(None, (mark.option, mark.also))
+    return Option(*names, metavar=mark.metavar or None)
+
+
+def options_of(asked: type) -> dict[str, Typed | Plain | Together]:
+    """Marks of the fields of a class that are options, by the names of the fields."""
+    hints = get_type_hints(asked, include_extras=True)
+    return {
+        each.name: hints[each.name].__metadata__[0]
+        for each in fields(asked)
+        if hasattr(hints[each.name], "__metadata__")
+    }
+
+
+def _handed_on(together: Together) -> Callable[..., dict[str, Any]]:
+    """A function whose parameters are the options among the fields of a class, and hands them on.
+
+    Its docstring is that of the class with the first paragraphs of the entries, each with how its
+    value is typed.
+    """
+    asked: Any = together.make
+    hints, told = get_type_hints(asked, include_extras=True), entries(asked.__doc__ or "")
+    shown, helps = [], []
+    for each in fields(asked):
+        if (mark := options_of(asked).get(each.name)) is None:
+            continue
+        factory: Any = each.default_factory
+        default = each.default if factory is MISSING else factory.args[0]
+        default = together.defaults.get(each.name, default)
+        if isinstance(mark, Typed) and isinstance(default, int | float):
+            default = f"{default:g}"
+        kind = inspect.Parameter.KEYWORD_ONLY
+        shown.append(
+            inspect.Parameter(each.name, kind, default=default, annotation=hints[each.name])
+        )
+        text = " ".join(told[each.name][1].partition("\n\n")[0].replace("``", "").split())
+        what, _, left_out = text.partition(". ")
+        text = f"{what.removesuffix('.')}{getattr(mark, 'how', '') or '.'}"
+        helps.append(f"{each.name}\n    {f'{text} {left_out}'.strip()}")
+
+    def handed_on(**values: Any) -> dict[str, Any]:
+        return values
+
+    handed_on.__signature__ = inspect.Signature(shown)  # type: ignore[attr-defined]
+    handed_on.__doc__ = _HEADING + "\n".join(helps)
+    return handed_on

@@ -3,101 +3,20 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import Annotated
 
-from typer import Option
-
 from flexmech import analyses
-from flexmech.cli import options, typed
+from flexmech.analyses import typed
+from flexmech.analyses.options import BalanceOptions, KinematicsOptions
+from flexmech.cli import options
+from flexmech.cli.asking import question
 from flexmech.cli.deliver import deliver, mechanism_of
-from flexmech.cli.failures import naming
-from flexmech.errors import InputError
+from flexmech.errors import InputError, naming
+
+kinematics = question("kinematics", "Kinematics", KinematicsOptions)
 
 
-def kinematics(
-    model: options.Model,
-    speed: Annotated[typed.Speeds | None, typed.SPEED_OR_REST] = None,
-    angles: options.Angles = options.EVERY_DEGREE,
-    lumped: Annotated[tuple[int, ...] | None, typed.LUMPED] = None,
-    crank_acceleration: Annotated[float, typed.CRANK_ACCELERATION] = options.ZERO,
-    moment_point: options.MomentPoint = None,
-    *,
-    output: options.AskedOutput,
-) -> None:
-    """Motion of the rigid linkage, its joint forces and driving torque.
-
-    Strokes of sliders; position, velocity and acceleration of points and links, forces and moments
-    at the joints and on the frame, torque, power, transmission angle: a table, files and pictures.
-
-    Options
-    -------
-    speed
-        Crank speed: rad/s unless a unit is given, as in "190 rpm". Left out: the [drive] of the
-        model, then over time; or the greatest speed at which it operates; 0 if it names none.
-    lumped : LIST
-        Also with lumped masses: elements of each link, whose mass is halved onto their ends, in
-        the order of the links, as in 1,4,4; or one number for all.
-    crank_acceleration
-        Acceleration that the crank has at each angle: rad/s^2 unless a unit is given.
-    """
-    from flexmech.analyses.crank_speeds import DRIVE_OR_REST
-    from flexmech.analyses.kinematics.compute import kinematics as analysis
-
-    mechanism = mechanism_of(model)
-    speed = typed.speeds_or_own(speed, mechanism, "--speed", DRIVE_OR_REST)
-    states = speed.of_states | {"crank_acceleration": crank_acceleration, "lumped": lumped}
-    request = analyses.KinematicsRequest(typed.radians(angles), moment_point=moment_point, **states)
-    deliver(
-        analyses.Kinematics,
-        lambda _: analysis(mechanism, request),
-        output,
-        model=model,
-        speeds=speed,
-    )
-
-
-def balance(
-    model: options.Model,
-    speed: Annotated[typed.Speeds | None, typed.SPEED] = None,
-    weights: Annotated[tuple[float, ...] | None, typed.WEIGHTS] = None,
-    radius: Annotated[tuple[float, ...] | None, typed.RADIUS] = None,
-    share: Annotated[float, typed.SHARE] = options.HALF,
-    angles: options.Angles = options.EVERY_DEGREE,
-    moment_point: options.MomentPoint = None,
-    rigid: Annotated[bool, Option("--rigid")] = False,
-    *,
-    output: options.AskedOutput,
-) -> None:
-    """Counterweights that keep a linkage from shaking its frame, and what they cost.
-
-    On crank and follower of a four-bar, for a full balance of the shaking force or a compromise;
-    on the crank of a slider-crank. Writes the balanced model file too, as balanced.toml.
-
-    Options
-    -------
-    speed : W
-        Crank speed: rad/s unless a unit is given, as in "300 rpm". Left out: the model's greatest.
-    weights : F,M,T
-        Of shaking force, shaking moment and driving torque in a compromise, as in 1,0.5,0.5.
-        Left out: full force balance of a four-bar, --share of a slider-crank.
-    radius : LIST
-        Distance of the counterweights from the joints about which crank and follower rotate, as in
-        "40 mm,80 mm", or one for both. Left out: half of each link's length.
-    share : PERCENT
-        Of the reciprocating mass of a slider-crank that is balanced as if it rotated.
-    rigid
-        Leave out what elastic links add, which takes some seconds.
-    """
-    from flexmech.analyses.balance.compute import balance as analysis
-    from flexmech.analyses.crank_speeds import GREATEST
-
-    mechanism = mechanism_of(model)
-    speed = typed.speeds_or_own(speed, mechanism, "--speed", GREATEST)
-    asked = speed.single, weights, radius, share, typed.radians(angles), speed.unit, moment_point
-    with naming("--weights, --radius, --share"):
-        run = partial(analysis, mechanism, analyses.BalanceRequest(*asked, elastic=not rigid))
-    deliver(analyses.Balance, lambda bar: run(progress=bar), output, model=model, speeds=speed)
+balance = question("balance", "Balance", BalanceOptions)
 
 
 def coupler_curve(
@@ -121,7 +40,7 @@ def coupler_curve(
     link : NAME
         Link that the point is on: the coupler, or any link of any linkage.
     """
-    asked = mechanism_of(model), typed.radians(angles), point, environment
+    asked = mechanism_of(model), angles, point, environment
     deliver(
         analyses.CouplerPaths,
         lambda _: analyses.coupler_paths(*asked, link=link),

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, cast
 from typer import Option
 
 from flexmech import analyses, choices, plots
-from flexmech.cli import options, typed
+from flexmech.analyses import typed
+from flexmech.analyses.typed import Together
+from flexmech.cli import options
+from flexmech.cli.asking import speeds_or_own
 from flexmech.cli.deliver import deliver, mechanism_of, progress_bar, say
-from flexmech.cli.failures import naming, telling
-from flexmech.cli.reading import Together
-from flexmech.errors import InputError, one_line
+from flexmech.cli.failures import telling
+from flexmech.errors import InputError, naming, one_line
 from flexmech.files import check_writable, given_path
 
 if TYPE_CHECKING:
@@ -42,11 +44,11 @@ class Run(NamedTuple):
 
     def of(self, mechanism: Mechanism) -> tuple[analyses.ResponseRequest, typed.Speeds]:
         """The request and the speed, the mechanism's own where none was typed."""
-        from flexmech.analyses.crank_speeds import DRIVE_OR_GREATEST
+        from flexmech.crank_values import DRIVE_OR_GREATEST
 
-        speed = typed.speeds_or_own(self.speed, mechanism, "--speed", DRIVE_OR_GREATEST)
+        speed = speeds_or_own(self.speed, mechanism, "--speed", DRIVE_OR_GREATEST)
         with naming("--revolutions, --samples, --run-up, --step"):
-            request = replace(self.request, **speed.of_run)
+            request = replace(self.request, **speed.keywords())
         if self.revolutions is not None and request.ends_with_a_law:
             said = [speed.remark, NO_TURNS] if speed.remark else [NO_TURNS]
             speed = replace(speed, remark="\n".join(said))

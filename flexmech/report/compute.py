@@ -9,13 +9,13 @@ import numpy as np
 
 from flexmech import analyses, choices, linkages
 from flexmech.analyses.campbell import compute as campbell_analysis
-from flexmech.analyses.crank_speeds import CAMPBELL, asked_speeds, in_unit, rad_per_s
+from flexmech.analyses.crank_speeds import asked_speeds, in_unit, rad_per_s
 from flexmech.analyses.frequencies.compute import MAP_ANGLES
-from flexmech.analyses.frequencies.request import operating_speeds
 from flexmech.analyses.kinematics import compute as kinematics_analysis
 from flexmech.analyses.requests import Engines, engine_of
 from flexmech.analyses.response import compute as response_analysis
 from flexmech.arrays import FloatArray, LabelledProgress
+from flexmech.crank_values import CAMPBELL, operating_speeds
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, Exposure, absorbing_links
 from flexmech.mechanics import Engine
@@ -272,21 +272,13 @@ class _Making:
         by_motor = [drive] if isinstance(drive, linkages.MotorDrive) else []
         at_speeds = [
             kinematics_analysis.kinematics(
-                self.mechanism,
-                analyses.KinematicsRequest(
-                    crank_speed=float(speed), speed_unit=self.request.speed_unit
-                ),
+                self.mechanism, float(speed), speed_unit=self.request.speed_unit
             )
             for speed in (self.speeds[self.speeds != 0] if np.any(self.speeds) else self.speeds[:1])
         ]
         return [
             *at_speeds,
-            *(
-                kinematics_analysis.kinematics(
-                    self.mechanism, analyses.KinematicsRequest(drive=own)
-                )
-                for own in by_motor
-            ),
+            *(kinematics_analysis.kinematics(self.mechanism, own) for own in by_motor),
         ]
 
     def sections(self) -> list[analyses.Result]:

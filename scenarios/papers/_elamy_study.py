@@ -244,8 +244,8 @@ def _breaks(asked: tuple[str, str, int], _: MakeEngine) -> pd.DataFrame:
         for name, section in mechanism.sections.items()
     }
     # Loads go with the square of the speed, so that any speed serves.
-    request = flexmech.StrengthRequest(crank_speed=1.0, criterion=CRITERION, source="rigid")
-    found = flexmech.strength(replace(mechanism, sections=sections), request)
+    judged = replace(mechanism, sections=sections)
+    found = flexmech.strength(judged, 1.0, criterion=CRITERION, source="rigid")
     first = found.dataset.isel(margin=0)
     return pd.DataFrame(
         {

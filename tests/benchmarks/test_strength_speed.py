@@ -33,9 +33,9 @@ CASES += [("tsai-wu", "quasi-static", False), ("tsai-wu", "quasi-static", True)]
 @pytest.mark.parametrize(("criterion", "source", "searched"), CASES)
 def test_strength_of_twenty_layers(criterion, source, searched, tell):
     mechanism = of_twenty_layers()
-    request = flexmech.StrengthRequest(
-        ANGLES,
+    request = flexmech.analyses.StrengthRequest(
         950.0,
+        crank_angles=ANGLES,
         speed_unit="rpm",
         criterion=criterion,
         elements=8,

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import flexmech
-from flexmech import KinematicsRequest, LawDrive, kinematics, motor_run
+from flexmech import LawDrive, kinematics, motor_run
+from flexmech.analyses import KinematicsRequest
 from tests.support.command import MODELS, Ended
 from tests.support.journeys import Journey, tells
 from tests.support.strategies import arm, fourbar
@@ -55,7 +56,9 @@ def test_tables_have_their_columns_and_hold_the_result(journey: Journey) -> None
     assert (rows["forces"]["joint"][0], rows["forces"]["on"][0]) == ("O2", "crank")
     data = journey.result().dataset
     mechanism = flexmech.load_mechanism(MODELS / "aluminium_fourbar.toml")
-    asked = KinematicsRequest(TURN, 190.0, (1, 4, 4), moment_point=(0.127, -0.03), speed_unit="rpm")
+    asked = KinematicsRequest(
+        190.0, crank_angles=TURN, lumped=(1, 4, 4), moment_point=(0.127, -0.03), speed_unit="rpm"
+    )
     assert data.identical(kinematics(mechanism, asked).dataset)
     torque = data["driving_torque"].values
     assert rows["drive"]["torque_Nm"] == pytest.approx(torque, rel=1e-9, abs=1e-12)
@@ -69,7 +72,7 @@ def test_tables_have_their_columns_and_hold_the_result(journey: Journey) -> None
 def test_the_shaking_moment_is_about_the_point_asked_for(journey: Journey) -> None:
     """Moved by the force from the shaft's axis."""
     mechanism = flexmech.load_mechanism(MODELS / "aluminium_fourbar.toml")
-    about = kinematics(mechanism, KinematicsRequest(TURN, 190 * np.pi / 30)).dataset
+    about = kinematics(mechanism, 190 * np.pi / 30, crank_angles=TURN).dataset
     force = about["shaking_force"]
     moved = about["shaking_moment"] - 0.127 * force.sel(component="y")
     moved = moved - 0.03 * force.sel(component="x")

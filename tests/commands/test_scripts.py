@@ -111,8 +111,11 @@ WRONG: tuple[tuple[Callable[[], object], str], ...] = (
     (lambda: flexmech.moving_frequencies(ENGINE, [0.0], [0.0], modes=1).state("wet"), "dry"),
     (lambda: flexmech.stability(ENGINE, [20.0], against=([0.0], [1.0])), "against"),
     (lambda: flexmech.stability(ENGINE, [5e-324], modes=2), "crank speed"),
-    (lambda: flexmech.KinematicsRequest(xr.Dataset({"a": 1.0})), "crank_angles"),
-    (lambda: flexmech.KinematicsRequest(crank_speed=np.timedelta64(1, "s")), "crank_speed"),
+    (
+        lambda: flexmech.analyses.KinematicsRequest(crank_angles=xr.Dataset({"a": 1.0})),
+        "crank_angles",
+    ),
+    (lambda: flexmech.analyses.KinematicsRequest(np.timedelta64(1, "s")), "speed"),
     (lambda: flexmech.Formulation(modes=np.timedelta64(2, "s")), "modes"),
     (lambda: flexmech.response(ENGINE, ResponseRequest(DRIVE), environment="wet"), "environment"),
     (lambda: ResponseRequest(DRIVE, samples="720"), "samples"),
@@ -136,7 +139,7 @@ def test_a_slip_of_a_script_is_refused_by_name(number):
 
 # What is accepted at most, by a request that takes the number: more is a slip of the keyboard.
 LIMITS = {
-    "elements of a link": (lambda n: flexmech.KinematicsRequest(lumped=(n,)), 1000),
+    "elements of a link": (lambda n: flexmech.analyses.KinematicsRequest(lumped=(n,)), 1000),
     "averages": (lambda n: flexmech.HammerRequest([0.0], averages=n), 1000),
     "orders": (lambda n: flexmech.RunningHammerRequest(20.0, POINT, POINT, orders=n), 20),
     "samples": (lambda n: ResponseRequest(DRIVE, 1000.0, samples=n // 1000), 2_000_000),
@@ -233,16 +236,19 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
     ),
     "campbell": (
         flexmech.campbell,
-        {"engine": ARM, "crank_speeds": [0.0], "crank_angles": [0.0, 2.0, 4.0], "orders": (1,)},
+        {"mechanism": ARM, "crank_speeds": [0.0], "crank_angles": [0.0, 2.0, 4.0], "orders": (1,)},
     ),
     "response": (flexmech.response, {"engines": ARM, "speed": RUN, "check_mesh": False}),
     "run": (ResponseRequest, {"speed": DRIVE, "revolutions": 1.0, "samples": 60, "step": 1e-3}),
     "hammer": (partial(flexmech.hammer_test, ARM), {"request": flexmech.HammerRequest(0.0)}),
     "kinematics": (flexmech.kinematics, {"mechanism": MECHANISM, "speed": None}),
-    "lumped": (flexmech.KinematicsRequest, {"crank_angles": np.zeros(1), "lumped": (1, 4, 4)}),
+    "lumped": (
+        flexmech.analyses.KinematicsRequest,
+        {"crank_angles": np.zeros(1), "lumped": (1, 4, 4)},
+    ),
     "counterweights": (
-        flexmech.BalanceRequest,
-        {"crank_speed": 5.0, "weights": (1, 1, 1), "radii": 0.1, "share": 0.5, "elastic": False},
+        flexmech.analyses.BalanceRequest,
+        {"speed": 5.0, "weights": (1, 1, 1), "radii": 0.1, "share": 0.5, "rigid": True},
     ),
     "paths": (
         flexmech.coupler_paths,
@@ -281,6 +287,22 @@ def test_whatever_is_given_runs_or_is_refused(name):
     assert not broken, "\n".join(broken)
 
 
+# --- keywords -----------------------------------------------------------------------------------
+
+
+def test_a_function_takes_what_its_command_takes_or_a_request_that_is_ready():
+    options = {"crank_angles": [0.0, 1.0], "lumped": (1, 4, 4)}
+    found = flexmech.kinematics(MECHANISM, 5.0, **options)
+    ready = flexmech.analyses.KinematicsRequest(5.0, **options)
+    assert found.dataset.identical(flexmech.kinematics(MECHANISM, ready).dataset)
+    changed = flexmech.kinematics(MECHANISM, ready, lumped=None)
+    assert "lump_position" in found.dataset
+    assert "lump_position" not in changed.dataset
+    with pytest.raises(InputError, match="engine: an engine is given already"):
+        flexmech.strength(ENGINE, 5.0, engine="exudyn")
+    assert "Acceleration that the crank has" in flexmech.kinematics.__doc__
+
+
 # --- objects and errors -------------------------------------------------------------------------
 
 
@@ -288,7 +310,7 @@ def test_what_can_be_read_once_is_kept():
     load = Load("push", AttachmentPoint("coupler", 0.1), ((1.0, 0.0),))
     assert replace(MECHANISM, loads=iter([load])).loads == (load,)
     assert replace(MECHANISM, operating_speeds=iter([20])).operating_speeds == (20.0,)
-    assert flexmech.KinematicsRequest(lumped=iter([1, 4, 4])).lumped == (1, 4, 4)
+    assert flexmech.analyses.KinematicsRequest(lumped=iter([1, 4, 4])).lumped == (1, 4, 4)
 
 
 def test_an_object_shows_itself_in_one_short_line():

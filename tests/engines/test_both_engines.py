@@ -18,14 +18,13 @@ import xarray as xr
 from flexmech import (
     ConstantSpeed,
     PlanarLinkage,
-    StrengthRequest,
     campbell,
     moving_frequencies,
     natural_frequencies,
     stability,
     strength,
 )
-from flexmech.analyses import deflections
+from flexmech.analyses import StrengthRequest, deflections
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.mechanics.running import DrivenLinkage
 from flexmech.solvers import periodic_turn
@@ -252,7 +251,7 @@ JUDGED = (
 def test_forces_inside_links_at_equilibrium_are_alike(name: str) -> None:
     """By statics of the displaced links: axial and shear forces and moments at all stations."""
     one = case(name)
-    request = StrengthRequest(one.angles[1:2], one.speed, search_speed=False)
+    request = StrengthRequest(one.speed, crank_angles=one.angles[1:2], search_speed=False)
     first, second = both(strength, name, request, elements=12)
     for of in ("axial_force", "bending_moment", "shear_force"):
         size = first[of].pipe(np.abs).max(["crank_angle", "station"])
@@ -272,7 +271,7 @@ def test_stiff_links_bear_what_rigid_ones_do(name: str) -> None:
     stiff = replace(one, mechanism=replace(one.mechanism, sections=sections))
     found = [
         strength(
-            engine, StrengthRequest(one.angles[1:2], one.speed, source=source, search_speed=False)
+            engine, one.speed, crank_angles=one.angles[1:2], source=source, search_speed=False
         ).dataset.isel(engine=0, drop=True)
         for source in ("rigid", "quasi-static")
         for engine in stiff.engines(8)

@@ -22,12 +22,12 @@ from flexmech import (
     Mechanism,
     ReferenceEngine,
     ResponseRequest,
-    StrengthRequest,
     load_mechanism,
     mechanism_in_state,
     response,
     strength,
 )
+from flexmech.analyses import StrengthRequest
 from flexmech.linkages import AttachmentPoint
 from tests.support.command import MODELS
 from tests.support.mechanisms import loaded_rigid_rocker
@@ -59,9 +59,9 @@ def largest_gaps(first: xr.DataArray, second: xr.DataArray) -> np.ndarray:
 @pytest.mark.parametrize(
     "asked",
     [
-        StrengthRequest(ANGLES, 40.0, search_speed=False),
+        StrengthRequest(40.0, crank_angles=ANGLES, search_speed=False),
         pytest.param(
-            StrengthRequest(crank_speed=15.0, source="periodic", search_speed=False),
+            StrengthRequest(15.0, source="periodic", search_speed=False),
             marks=pytest.mark.thorough,
         ),
     ],
@@ -88,7 +88,7 @@ def test_forces_of_a_run_are_those_of_its_curvature() -> None:
     """D'Alembert's forces of a periodic run with a body off a link's axis."""
     body = AttachedBody("coupler", 0.1, 0.05, 1e-5, (0.0, 0.02))
     mechanism = replace(aluminium(), bodies=(body,))
-    asked = StrengthRequest(crank_speed=10.0, source="periodic", search_speed=False)
+    asked = StrengthRequest(10.0, source="periodic", search_speed=False)
     data = strength(ReferenceEngine(mechanism, 6), asked).dataset
     assert float(data.attrs["moment_gap"].split()[0]) < 0.1
 
@@ -97,8 +97,8 @@ def test_forces_of_a_run_are_those_of_its_curvature() -> None:
 def test_slow_links_bear_what_rigid_ones_do() -> None:
     """Vibration adds in proportion to the square of the speed."""
     mechanism = aluminium()
-    rigid = strength(mechanism, StrengthRequest(crank_speed=5.0, source="rigid")).dataset
-    asked = StrengthRequest(crank_speed=5.0, source="periodic", search_speed=False)
+    rigid = strength(mechanism, 5.0, source="rigid").dataset
+    asked = StrengthRequest(5.0, source="periodic", search_speed=False)
     running = strength(mechanism, asked).dataset.interp(crank_angle=rigid["crank_angle"].values)
     for name in FORCES:
         assert largest_gaps(rigid[name][0], running[name][0]).max() < 6e-3
@@ -107,9 +107,7 @@ def test_slow_links_bear_what_rigid_ones_do() -> None:
 @pytest.mark.thorough
 def test_a_run_from_straight_links_is_worse() -> None:
     """A start that is not the motion's own lets links ring beyond it."""
-    asked = StrengthRequest(
-        crank_speed=15.0, source="periodic", revolutions=0.25, search_speed=False
-    )
+    asked = StrengthRequest(15.0, source="periodic", revolutions=0.25, search_speed=False)
     steady, rung = (
         strength(aluminium(), replace(asked, source=source)).dataset["margin_load_factor"].values[0]
         for source in ("periodic", "transient")
@@ -121,11 +119,11 @@ def test_a_run_from_straight_links_is_worse() -> None:
 def test_each_part_fails_at_its_speed_factor() -> None:
     """Seen by equilibria at the faster speed; it is not the root of the load factor."""
     mechanism = aluminium()
-    data = strength(mechanism, StrengthRequest(ANGLES, 40.0)).dataset
+    data = strength(mechanism, 40.0, crank_angles=ANGLES).dataset
     names = data["margin_part"].values.tolist()
     factors = dict(zip(names, data["margin_speed_factor"].values.tolist(), strict=True))
     for name in ("rocker", "coupler"):
-        faster = StrengthRequest(ANGLES, 40.0 * factors[name], search_speed=False)
+        faster = StrengthRequest(40.0 * factors[name], crank_angles=ANGLES, search_speed=False)
         there = strength(mechanism, faster).dataset["load_factor"].sel(link=name)
         assert float(there.min()) == pytest.approx(1.0, rel=2e-3)
         slow = float(data["load_factor"].sel(link=name).min())
@@ -136,11 +134,11 @@ def test_each_part_fails_at_its_speed_factor() -> None:
 
 def test_a_part_that_fails_is_searched_downwards() -> None:
     mechanism = load_mechanism(MODELS / "composite_fourbar.toml")
-    fast = strength(mechanism, StrengthRequest(ANGLES, 1300.0))
+    fast = strength(mechanism, 1300.0, crank_angles=ANGLES)
     assert float(fast.dataset["margin_load_factor"][0]) < 1
     factor = float(fast.dataset["margin_speed_factor"].min())
     assert factor < 1
-    there = StrengthRequest(ANGLES, 1300.0 * factor, search_speed=False)
+    there = StrengthRequest(1300.0 * factor, crank_angles=ANGLES, search_speed=False)
     slower = strength(mechanism, there).dataset
     assert float(slower["margin_load_factor"][0]) == pytest.approx(1.0, rel=2e-3)
 
@@ -148,8 +146,8 @@ def test_a_part_that_fails_is_searched_downwards() -> None:
 def test_at_rest_weight_and_loads_bend_links_and_no_speed_raises_them() -> None:
     push = Load("push", AttachmentPoint("coupler", 0.1397), ((0.0, -60.0),))
     mechanism = replace(aluminium(), loads=(push,))
-    found = strength(mechanism, StrengthRequest(ANGLES, 0.0)).dataset
-    rigid = strength(mechanism, StrengthRequest(ANGLES, 0.0, source="rigid")).dataset
+    found = strength(mechanism, 0.0, crank_angles=ANGLES).dataset
+    rigid = strength(mechanism, 0.0, crank_angles=ANGLES, source="rigid").dataset
     assert np.isnan(found["margin_speed_factor"]).all()
     factors = (float(one["margin_load_factor"][0]) for one in (found, rigid))
     assert next(factors) != pytest.approx(next(factors), rel=1e-3)
@@ -160,7 +158,7 @@ def test_heat_and_moisture_are_in_the_equilibrium() -> None:
     """Swollen longer links: forces of the mechanism as it is then."""
     mechanism = with_strengths(load_mechanism(MODELS / "moist_composite_fourbar.toml"))
     state = HygrothermalState(40.0, 0.02)
-    asked = StrengthRequest(ANGLES[:3], 30.0, environment=state, search_speed=False)
+    asked = StrengthRequest(30.0, crank_angles=ANGLES[:3], environment=state, search_speed=False)
     wet = strength(mechanism, asked).dataset
     same = strength(mechanism_in_state(mechanism, state), replace(asked, environment=None)).dataset
     for name in FORCES:
@@ -203,7 +201,7 @@ def test_the_force_in_an_end_that_a_spring_turns_is_carried_from_the_section_bef
     pins = (JointPin("B", 8e-3, bush_length=10e-3, allowable_pv=1e6),)
     plain = {name: replace(section, layers=None) for name, section in mechanism.sections.items()}
     mechanism = replace(mechanism, joint_pins=pins, sections=plain)
-    request = StrengthRequest(np.radians([130.0, 250.0]), 20.0, search_speed=False)
+    request = StrengthRequest(20.0, crank_angles=np.radians([130.0, 250.0]), search_speed=False)
     data = strength(engine(mechanism, 10), request).dataset.isel(engine=0).sel(link="crank")
     last = np.flatnonzero(np.isfinite(data["position"].values))[-2:]
     step = np.diff(data["position"].values[last]).item()

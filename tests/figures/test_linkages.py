@@ -73,7 +73,7 @@ def test_a_drawing_shows_sliders_springs_masses_loads_and_gravity() -> None:
     assert isinstance(figure, Figure)
     check_layout(figure)
     axes = figure.axes[0]
-    motion = flexmech.kinematics(pusher, flexmech.KinematicsRequest([np.radians(60.0)], 1.0))
+    motion = flexmech.kinematics(pusher, 1.0, crank_angles=[np.radians(60.0)])
     # The block of the slider around E.
     slider = motion.dataset["point_position"].sel(point="E").values.ravel()
     blocks = [patch.get_xy()[:4].mean(axis=0) for patch in axes.patches if len(patch.get_xy()) == 5]
@@ -133,7 +133,7 @@ def test_strength_marks_the_worst_places_with_their_load_factors() -> None:
 
 def test_points_with_a_guide_move_along_it_and_a_crank_pin_is_not_drawn() -> None:
     pusher = flexmech.load_mechanism(flexmech.example_model("carton_pusher"))
-    data = flexmech.kinematics(pusher, flexmech.KinematicsRequest(results.TURN, 20.0)).dataset
+    data = flexmech.kinematics(pusher, 20.0, crank_angles=results.TURN).dataset
     assert plots.drawn_points(data) == ["E", "B", "D"]
     figure = plots.plot_motion(data)
     assert sorted(legend_texts(figure)) == ["along its line", "along x", "along y"]

@@ -9,15 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexmech import (
-    ConstantSpeed,
-    KinematicsRequest,
-    Mechanism,
-    Spring,
-    example_model,
-    kinematics,
-    load_mechanism,
-)
+from flexmech import ConstantSpeed, Mechanism, Spring, example_model, kinematics, load_mechanism
+from flexmech.analyses import KinematicsRequest
 from flexmech.linkages import (
     GROUND,
     InverseDynamics,
@@ -247,8 +240,8 @@ def test_in_a_run_up_torque_and_accelerations_are_rates(name: str) -> None:
     inertia = np.array([each.central_inertia for each in masses])
     for time in (0.11, 0.4):
         request = KinematicsRequest(
-            [float(DRIVE.crank_angle(time))],
             float(DRIVE.crank_speed(time)),
+            crank_angles=[float(DRIVE.crank_angle(time))],
             crank_acceleration=float(DRIVE.crank_acceleration(time)),
         )
         data = kinematics(mechanism, request).dataset.isel(crank_angle=0)
@@ -271,7 +264,7 @@ def test_in_a_run_up_torque_and_accelerations_are_rates(name: str) -> None:
 
 def test_forces_of_inertia_grow_with_the_square_of_the_speed_either_way() -> None:
     steel = unloaded("steel_fourbar")
-    slow, fast = (kinematics(steel, KinematicsRequest([0.4, 2.0], v)) for v in (5.0, -10.0))
+    slow, fast = (kinematics(steel, v, crank_angles=[0.4, 2.0]) for v in (5.0, -10.0))
     for name in ("driving_torque", "joint_force", "shaking_force", "shaking_moment"):
         np.testing.assert_allclose(fast.dataset[name], 4 * slow.dataset[name], rtol=1e-11)
 
@@ -281,8 +274,8 @@ def test_a_mirrored_linkage_has_mirrored_forces() -> None:
     here = unloaded("steel_fourbar")
     there = replace(here, linkage=replace(here.linkage, branch="crossed"))
     angles = np.array([0.4, 2.0])
-    first = kinematics(here, KinematicsRequest(angles, 10.0, crank_acceleration=30.0)).dataset
-    asked = KinematicsRequest(-angles[::-1], -10.0, crank_acceleration=-30.0)
+    first = kinematics(here, 10.0, crank_angles=angles, crank_acceleration=30.0).dataset
+    asked = KinematicsRequest(-10.0, crank_angles=-angles[::-1], crank_acceleration=-30.0)
     second = kinematics(there, asked).dataset.isel(crank_angle=slice(None, None, -1))
     force = first["joint_force"].transpose("crank_angle", "joint", "component").values
     other = second["joint_force"].transpose("crank_angle", "joint", "component").values

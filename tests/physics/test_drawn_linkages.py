@@ -15,7 +15,6 @@ from flexmech import (
     CouplerPoint,
     FourBar,
     InputError,
-    KinematicsRequest,
     Mechanism,
     PlanarJoint,
     PlanarLinkage,
@@ -53,7 +52,7 @@ def crank_shaper() -> PlanarLinkage:
 
 
 def number(mechanism: Mechanism, angles: np.ndarray, name: str, of: str) -> float:
-    found = kinematics(mechanism, KinematicsRequest(angles, SPEED)).summary().numbers
+    found = kinematics(mechanism, SPEED, crank_angles=angles).summary().numbers
     (value,) = (one.value for one in found if (one.name, one.of) == (name, of))
     return float(value)
 
@@ -193,7 +192,7 @@ def test_an_accelerated_crank_moves_the_slider_by_its_lever() -> None:
     mechanism = bodied(slider_crank(crank=CRANK, rod=ROD, offset=0.0))
     alpha, theta = 3000.0, np.radians([0.0, 40.0, 90.0, 200.0])
     steady, found = (
-        kinematics(mechanism, KinematicsRequest(theta, SPEED, crank_acceleration=change))
+        kinematics(mechanism, SPEED, crank_angles=theta, crank_acceleration=change)
         for change in (0.0, alpha)
     )
     root = np.sqrt(ROD**2 - (CRANK * np.sin(theta)) ** 2)
@@ -212,7 +211,7 @@ def test_a_slider_on_a_lever_moves_along_it() -> None:
     mechanism, step = bodied(crank_shaper()), 1e-4
     assert number(mechanism, COARSE, "stroke", "A") == pytest.approx(80.0, rel=1e-12)
     angles = 0.7 + step * np.arange(-2, 3)
-    data = kinematics(mechanism, KinematicsRequest(angles, SPEED)).dataset
+    data = kinematics(mechanism, SPEED, crank_angles=angles).dataset
     place = data["slider_position"].values[:, 0]
     assert place == pytest.approx(abs(0.04 * np.exp(1j * angles) + 0.1j), rel=1e-13)
     for name, weights, rel in (("velocity", FIRST, 1e-9), ("acceleration", SECOND, 1e-5)):
@@ -225,7 +224,7 @@ def test_the_coupler_point_of_a_model_moves_on_its_curve() -> None:
     point, step = CouplerPoint(0.16, np.radians(35.0)), 1e-4
     mechanism = replace(fourbar(), coupler_point=point)
     angles = 0.7 + step * np.arange(-2, 3)
-    data = kinematics(mechanism, KinematicsRequest(angles, SPEED)).dataset
+    data = kinematics(mechanism, SPEED, crank_angles=angles).dataset
     of_point = data.sel(point="coupler point").transpose("crank_angle", ...)
     assert isinstance(mechanism.linkage, FourBar)
     places = CouplerCurve(mechanism.linkage, point).position(angles)

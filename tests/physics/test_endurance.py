@@ -23,9 +23,9 @@ from flexmech import (
     Ply,
     RotatingArm,
     Strength,
-    StrengthRequest,
     strength,
 )
+from flexmech.analyses import StrengthRequest
 from flexmech.linkages import AttachmentPoint
 from flexmech.materials import Layer, ply_in_state
 from flexmech.modelfile import mechanism_from_toml
@@ -91,7 +91,7 @@ def arm_of(fatigue: FatigueStrength, **others: Any) -> Mechanism:
 def at_root(fatigue: FatigueStrength, speed: float = SPEED) -> dict[str, np.ndarray]:
     """Numbers of both surfaces at the root of an arm that turns under its weight."""
     arm = arm_of(fatigue, gravity=(0.0, -GRAVITY))
-    request = StrengthRequest(ANGLES, speed, source="rigid")
+    request = StrengthRequest(speed, crank_angles=ANGLES, source="rigid")
     rows = strength(arm, request).tables()["endurance"]
     return {str(name): values[:2].to_numpy() for name, values in rows.items()}
 
@@ -146,7 +146,9 @@ def test_rainflow_example_of_the_standard() -> None:
     places = tuple(np.radians(45.0 * np.arange(8)).tolist())
     tip = AttachmentPoint("arm", LENGTH)
     pull = Load("pull", tip, force, (0.0,) * 8, "link", "crank_angle", places)
-    request = StrengthRequest(np.radians(np.arange(0.0, 361.0, 15.0)), 1e-3, source="rigid")
+    request = StrengthRequest(
+        1e-3, crank_angles=np.radians(np.arange(0.0, 361.0, 15.0)), source="rigid"
+    )
     row = strength(arm_of(own, loads=(pull,)), request).tables()["endurance"].iloc[0]
     amplitude, mean = unit * np.array([1.5, 2.0, 3.5, 4.5]), unit * np.array([-0.5, 1.0, 0.5, 0.5])
     assert row["stress_amplitude_Pa"] == pytest.approx(amplitude[3], rel=1e-9)
@@ -232,7 +234,7 @@ def test_wrong_fatigue_is_refused_by_its_key(text: str, words: str) -> None:
 
 
 def test_margins_of_fatigue_stand_beside_those_of_yield_and_are_read_back(tmp_path) -> None:
-    fast = StrengthRequest(crank_speed=1200.0, speed_unit="rpm", source="rigid")
+    fast = StrengthRequest(1200.0, speed_unit="rpm", source="rigid")
     found = strength(with_fatigue(BY_EXPONENT), fast)
     margins = found.tables()["margins"].set_index(["kind", "part"])
     for link, rows in found.tables()["endurance"].groupby("link"):
@@ -257,8 +259,8 @@ def test_links_whose_fatigue_is_not_judged_are_told_with_the_reason() -> None:
     push = Load("push", AttachmentPoint("crank", 0.05), ((1.0, 0.0),))
     timed = replace(push, force=((1.0, 0.0),) * 2, torque=(0.0,) * 2, over="time", at=(0.0, 1.0))
     sections = {**mechanism.sections, "coupler": mixed}
-    rigid = StrengthRequest(crank_speed=20.0, source="rigid")
-    part = StrengthRequest(np.radians([0.0, 5.0, 10.0]), 20.0, search_speed=False)
+    rigid = StrengthRequest(20.0, source="rigid")
+    part = StrengthRequest(20.0, crank_angles=np.radians([0.0, 5.0, 10.0]), search_speed=False)
     coarse = replace(rigid, crank_angles=np.radians([0.0, 90.0, 180.0, 270.0]))
     for model, asked, words in (
         (replace(mechanism, sections=sections), rigid, "composites .*: coupler"),
@@ -276,7 +278,7 @@ def test_periodic_runs_are_judged_by_their_own_stress() -> None:
     """A sixth of its lowest frequency makes the bending of an arm 1/35 larger."""
     strong = with_fatigue(BY_EXPONENT).sections["rocker"].with_damping_ratio(0.02, frequency=40.0)
     arm = Mechanism(RotatingArm(0.3), {"arm": strong}, gravity=(0.0, -9.81))
-    asked = StrengthRequest(crank_speed=15.0, source="periodic", search_speed=False)
+    asked = StrengthRequest(15.0, source="periodic", search_speed=False)
     found = strength(flexmech.ReferenceEngine(arm, elements=2), asked)
     still = strength(arm, replace(asked, source="rigid"))
     running, at_rest = (float(one.dataset["stress_amplitude"].max()) for one in (found, still))

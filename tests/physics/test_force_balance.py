@@ -11,10 +11,8 @@ import pytest
 from flexmech import (
     AttachedBody,
     Balance,
-    BalanceRequest,
     FourBar,
     InputError,
-    KinematicsRequest,
     Mechanism,
     PointMass,
     balance,
@@ -22,6 +20,7 @@ from flexmech import (
     kinematics,
     load_mechanism,
 )
+from flexmech.analyses import KinematicsRequest
 from flexmech.modelfile import mechanism_from_toml
 from tests.support.mechanisms import drawn
 from tests.support.strategies import LINKS, arm, fourbar
@@ -31,7 +30,7 @@ TURN = np.radians(np.arange(0.0, 361.0, 5.0))
 
 
 def rigidly(mechanism: Mechanism, **asked: object) -> Balance:
-    return balance(mechanism, BalanceRequest(SPEED, elastic=False, **asked))  # type: ignore[arg-type]
+    return balance(mechanism, SPEED, rigid=True, **asked)  # type: ignore[arg-type]
 
 
 def peak(force: object) -> float:
@@ -105,8 +104,8 @@ def test_the_file_that_is_written_shakes_no_frame(name: str, tmp_path: Path) -> 
     rigidly(given_one, radii=(0.03, 0.05)).save(tmp_path)
     balanced = load_mechanism(tmp_path / "balanced.toml")
     for asked in (
-        KinematicsRequest(TURN, SPEED),
-        KinematicsRequest(TURN, 3, crank_acceleration=500),
+        KinematicsRequest(SPEED, crank_angles=TURN),
+        KinematicsRequest(3, crank_angles=TURN, crank_acceleration=500),
     ):
         after, before = (
             peak(kinematics(each, asked).dataset["shaking_force"]) for each in (balanced, given_one)
@@ -163,7 +162,7 @@ def weighed(mechanism: Mechanism, moments: np.ndarray, weights: tuple[float, ...
     )
     rows = []
     for each in (mechanism, replace(mechanism, bodies=bodies)):
-        asked = KinematicsRequest(TURN, SPEED)
+        asked = KinematicsRequest(SPEED, crank_angles=TURN)
         free = kinematics(replace(each, gravity=(0.0, 0.0)), asked).dataset
         torque = kinematics(each, asked).dataset["driving_torque"]
         values = free["shaking_force"], free["shaking_moment"], torque
@@ -220,7 +219,7 @@ def test_a_balanced_force_has_one_moment_about_all_points() -> None:
 )
 def test_other_linkages_are_refused_with_what_they_have(mechanism: object, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        balance(mechanism(), BalanceRequest(5.0, elastic=False))  # type: ignore[operator]
+        balance(mechanism(), 5.0, rigid=True)  # type: ignore[operator]
 
 
 def test_greatest_values_are_sought_between_the_crank_angles() -> None:

@@ -10,7 +10,6 @@ import pytest
 from flexmech import (
     AttachedBody,
     InputError,
-    KinematicsRequest,
     Load,
     Mechanism,
     RotatingArm,
@@ -19,6 +18,7 @@ from flexmech import (
     kinematics,
     load_mechanism,
 )
+from flexmech.analyses import KinematicsRequest
 from flexmech.linkages import (
     GROUND,
     AttachmentPoint,
@@ -143,9 +143,9 @@ def test_a_load_over_time_begins_at_crank_angle_zero() -> None:
     forces = ((0.0, 0.0), (0.0, 10.0))
     ramp = Load("ramp", tip, forces, (0.0, 0.0), "link", "time", (0.0, 1.0))
     loaded = replace(arm(), loads=(ramp,))
-    data = kinematics(loaded, KinematicsRequest([0.0, 1.0, 4.0], 2.0)).dataset
+    data = kinematics(loaded, 2.0, crank_angles=[0.0, 1.0, 4.0]).dataset
     assert data["driving_torque"].values == pytest.approx([0.0, -5.0, -10.0], abs=1e-9)
-    accelerated = KinematicsRequest([0.5], 2.0, crank_acceleration=1.0)
+    accelerated = KinematicsRequest(2.0, crank_angles=[0.5], crank_acceleration=1.0)
     with pytest.raises(InputError, match="crank_acceleration: the load ramp goes over time"):
         kinematics(loaded, accelerated)
     over_angle = replace(arm(), loads=(replace(ramp, over="crank_angle"),))
@@ -164,7 +164,7 @@ def test_a_body_beside_its_link_counts_by_its_place_and_inertia() -> None:
     linkage = replace(linkage, links=tuple(replace(link, rigid=True) for link in linkage.links))
     bodies = tuple(replace(body, link="crank", position=0.05) for body in (first, second))
     data = kinematics(
-        Mechanism(linkage, {}, bodies=bodies), KinematicsRequest([0.3], 4.0, crank_acceleration=9.0)
+        Mechanism(linkage, {}, bodies=bodies), 4.0, crank_angles=[0.3], crank_acceleration=9.0
     ).dataset.isel(crank_angle=0)
     centre = (2.0 * 0.05 + 0.5 * (0.15 + 0.2j)) / 2.5
     on_crank = data.sel(link="crank")
@@ -194,12 +194,12 @@ def test_both_joint_forces_weight_and_inertia_of_a_rod_are_in_balance() -> None:
 def test_without_loads_the_mean_power_of_a_turn_is_zero(lumped: bool) -> None:
     """At steps of 60 degrees, whose own mean is far from it; of whole turns alone."""
     angles = np.radians(np.arange(0.0, 361.0, 60.0))
-    asked = KinematicsRequest(angles, 20.0, (1, 4, 4) if lumped else None)
+    asked = KinematicsRequest(20.0, crank_angles=angles, lumped=(1, 4, 4) if lumped else None)
     result = kinematics(fourbar(), asked)
     assert abs(result.dataset["driving_power"].values[:-1].mean()) > 0.1
     (mean,) = (one.value for one in result.summary().numbers if one.name == "mean_driving_power")
     assert abs(mean) < 1e-9
-    half = kinematics(fourbar(), KinematicsRequest(angles[:4], 20.0)).summary()
+    half = kinematics(fourbar(), 20.0, crank_angles=angles[:4]).summary()
     assert not any(one.name == "mean_driving_power" for one in half.numbers)
 
 
@@ -223,11 +223,11 @@ def test_a_crank_that_cannot_turn_fully_is_a_warning_at_a_speed() -> None:
     swinging = replace(fourbar(), linkage=replace(fourbar().linkage, crank=0.25, coupler=0.1))
     swinging = replace(swinging, linkage=replace(swinging.linkage, rocker=0.11))
     part = np.radians([25.0, 30.0, 35.0])
-    running = kinematics(swinging, KinematicsRequest(part, 1500.0, speed_unit="rpm"))
+    running = kinematics(swinging, 1500.0, crank_angles=part, speed_unit="rpm")
     (warning,) = running.summary().warnings
     assert "cannot turn fully (double-rocker)" in warning
-    assert kinematics(swinging, KinematicsRequest(part, 0.0)).summary().warnings == ()
-    apart = kinematics(swinging, KinematicsRequest(np.radians([30.0, 330.0]), 20.0))
+    assert kinematics(swinging, 0.0, crank_angles=part).summary().warnings == ()
+    apart = kinematics(swinging, 20.0, crank_angles=np.radians([30.0, 330.0]))
     assert apart.dataset["extreme_error"].isnull().all()
 
 

@@ -12,7 +12,6 @@ from flexmech import (
     ConstantSpeed,
     Drive,
     InputError,
-    KinematicsRequest,
     LawDrive,
     Mechanism,
     ShapedDrive,
@@ -20,6 +19,7 @@ from flexmech import (
     input_shaper,
     kinematics,
 )
+from flexmech.analyses import KinematicsRequest
 from flexmech.linkages import LAWS, FrequenciesOnPath, LawName, LockedCrank, PathShapedDrive
 from tests.support.strategies import fourbar
 
@@ -206,7 +206,7 @@ LAW = LawDrive("cycloid", np.radians(120), 0.15, dwell=0.1, start_angle=0.3)
 def driven() -> tuple[Mechanism, object]:
     """A four-bar and its kinematics under a law."""
     mechanism = fourbar(shaft_inertia=1e-4)
-    return mechanism, kinematics(mechanism, KinematicsRequest(drive=LAW)).dataset
+    return mechanism, kinematics(mechanism, LAW).dataset
 
 
 def test_each_state_under_a_law_is_that_of_an_accelerated_crank(driven) -> None:  # type: ignore[no-untyped-def]
@@ -220,8 +220,8 @@ def test_each_state_under_a_law_is_that_of_an_accelerated_crank(driven) -> None:
     for number in (100, 420):
         one = data.isel(time=number)
         asked = KinematicsRequest(
-            [float(one["crank_angle"])],
             float(one["crank_speed_over_time"]),
+            crank_angles=[float(one["crank_angle"])],
             crank_acceleration=float(one["crank_acceleration"]),
         )
         state = kinematics(mechanism, asked).dataset.isel(crank_angle=0)
@@ -249,7 +249,7 @@ REFUSED = {
     "choose ends rest or held": lambda: table(20.0 * TIMES, dwell=0.1),
     "a locked crank does not turn": lambda: fourbar(drive=LockedCrank(1.0)),
     "drive must be": lambda: fourbar(drive=20.0),
-    "its own angles": lambda: KinematicsRequest(crank_speed=20.0, drive=LAW),
+    "its own angles": lambda: KinematicsRequest(LAW, crank_acceleration=1.0),
 }
 
 

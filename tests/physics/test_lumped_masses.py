@@ -13,7 +13,6 @@ from flexmech import (
     ExudynEngine,
     FourBar,
     InputError,
-    KinematicsRequest,
     PointMass,
     ReferenceEngine,
     ResponseRequest,
@@ -24,6 +23,7 @@ from flexmech import (
     natural_frequencies,
     response,
 )
+from flexmech.analyses import KinematicsRequest
 from tests.support.strategies import arm, fourbar
 
 STEEL = load_mechanism(example_model("steel_fourbar"))
@@ -37,7 +37,7 @@ MASS = 7800.0 * 6.1e-3 * 4.25e-3 * np.array([R2, R3, R4])
 @pytest.mark.parametrize("alpha2", [0.0, -150.0])
 def test_the_twelve_masses_and_their_forces_are_the_papers(alpha2: float) -> None:
     """Places d4 to d11; eqs. 1.64 and 1.65; joint forces are what they ask for, and the torque."""
-    asked = KinematicsRequest(TURN, SPEED, (1, 4, 4), crank_acceleration=alpha2)
+    asked = KinematicsRequest(SPEED, crank_angles=TURN, lumped=(1, 4, 4), crank_acceleration=alpha2)
     data = kinematics(STEEL, asked).dataset
     places = [0, R2, 0, 69.85e-3, 139.7e-3, 209.55e-3, R3, 0, 66.675e-3, 133.35e-3, 200.025e-3, R4]
     assert data["lump_position"].values == pytest.approx(places)
@@ -72,7 +72,7 @@ def test_lumps_tend_to_the_distributed_mass_with_the_square_of_their_number() ->
     errors = []
     for times in (1, 2, 4):
         lumps = tuple(times * n for n in (2, 4, 4))
-        data = kinematics(mechanism, KinematicsRequest(TURN, SPEED, lumps)).dataset
+        data = kinematics(mechanism, SPEED, crank_angles=TURN, lumped=lumps).dataset
         errors.append(
             np.concatenate(
                 [
@@ -199,7 +199,7 @@ def test_lumps_of_a_link_beside_its_pins_move_as_they_lie() -> None:
     assert abs(offset) > 1e-5
     step = 1e-4
     angles = 0.7 + step * np.arange(-2, 3)
-    data = kinematics(mechanism, KinematicsRequest(angles, SPEED, (2, 2, 2))).dataset
+    data = kinematics(mechanism, SPEED, crank_angles=angles, lumped=(2, 2, 2)).dataset
     motion = mechanism.linkage.motion(angles)
     number = int(np.flatnonzero(data["lump_link"].values == "coupler")[1])
     place = motion.position(1, float(data["lump_position"][number]), offset)

@@ -15,7 +15,6 @@ from flexmech import (
     DcMotor,
     InputError,
     JointSpring,
-    KinematicsRequest,
     Mechanism,
     MotorDrive,
     MotorRun,
@@ -275,7 +274,7 @@ def test_a_run_that_ends_before_it_has_settled_says_so_and_what_the_settled_moti
     """A flywheel keeps the settled speed even: joint forces are those at constant speed."""
     motor = MotorDrive(TorqueMotor((0.0, 150.0, 190.0), (2.0, 1.5, 0.0), inertia=20.0), time=20.0)
     mechanism = replace(FOUR_BAR, gravity=(0.0, 0.0))
-    result = kinematics(mechanism, KinematicsRequest(drive=motor))
+    result = kinematics(mechanism, motor)
     steady = kinematics(mechanism, 190.0).dataset["joint_force"]
     greatest = float(np.hypot(*np.moveaxis(steady.values, -1, 0)).max())
     told = {number.name: number.value for number in result.summary().numbers}
@@ -284,16 +283,13 @@ def test_a_run_that_ends_before_it_has_settled_says_so_and_what_the_settled_moti
     assert "before the motor has settled" in result.summary().answer[0]
     # From rest to within 1 % of its speed.
     light = MotorDrive(SETTLING)
-    assert (
-        "Settled, the motor"
-        in kinematics(mechanism, KinematicsRequest(drive=light)).summary().answer[0]
-    )
+    assert "Settled, the motor" in kinematics(mechanism, light).summary().answer[0]
 
 
 def test_kinematics_under_a_motor_balance_at_the_shaft() -> None:
     """Gear times the motor's torque is the linkage's and that of rotor and shaft."""
     motor = MotorDrive(DcMotor(1.2, 0.06, 12.0, gear_ratio=10.0, inertia=2e-5))
-    data = kinematics(fourbar(), KinematicsRequest(drive=motor)).dataset
+    data = kinematics(fourbar(), motor).dataset
     needed = data["driving_torque"] + data["shaft_inertia_torque"]
     scale = float(abs(needed).max())
     np.testing.assert_allclose(10.0 * data["motor_torque"], needed, atol=1e-5 * scale)
@@ -303,7 +299,7 @@ def test_kinematics_under_a_motor_balance_at_the_shaft() -> None:
     voltage = 1.2 * data["motor_current"] + 0.06 * data["motor_speed"]
     np.testing.assert_allclose(voltage, 12.0, rtol=1e-6)
     run = motor_run(fourbar(), motor)
-    again = kinematics(fourbar(), KinematicsRequest(drive=run)).dataset["crank_speed_over_time"]
+    again = kinematics(fourbar(), run).dataset["crank_speed_over_time"]
     np.testing.assert_array_equal(again[-1], run.crank_speed(run.duration))
 
 

@@ -10,7 +10,6 @@ import pytest
 
 from flexmech import (
     HygrothermalState,
-    KinematicsRequest,
     Mechanism,
     ReferenceEngine,
     ResponseRequest,
@@ -81,7 +80,7 @@ def test_outputs_are_those_of_single_runs_of_the_changed_model_file(tmp_path):
     assert above[0] == pytest.approx(1 - hertz[:, 0].max() / (8 * order), abs=2e-3)
     least, greatest = thick.linkage.transmission_angle_limits()
     assert angle[0] == pytest.approx(min(least, np.pi - greatest))
-    rigid = kinematics(thick, KinematicsRequest(np.radians(np.arange(0.0, 361.0)), 20.0)).dataset
+    rigid = kinematics(thick, 20.0, crank_angles=np.radians(np.arange(0.0, 361.0))).dataset
     named = rigid["extreme_quantity"].values, rigid["extreme_of"].values
     greatest = np.maximum(rigid["greatest"], -rigid["least"]).values
     peaks_of = dict(zip(zip(*named, strict=True), greatest, strict=True))

@@ -24,10 +24,10 @@ from flexmech import (
     PlanarLink,
     PlanarLinkage,
     Strength,
-    StrengthRequest,
     load_mechanism,
     strength,
 )
+from flexmech.analyses import StrengthRequest
 from flexmech.linkages import AttachmentPoint
 from flexmech.modelfile import mechanism_from_toml
 from tests.support.command import MODELS
@@ -83,7 +83,7 @@ def slider_crank() -> Mechanism:
 
 def rigid(mechanism: Mechanism, speed: StrengthRequest | float) -> Strength:
     """Of links that are taken as rigid, whose forces can be had by hand."""
-    asked = speed if isinstance(speed, StrengthRequest) else StrengthRequest(crank_speed=speed)
+    asked = speed if isinstance(speed, StrengthRequest) else StrengthRequest(speed)
     return strength(mechanism, replace(asked, source="rigid"))
 
 
@@ -103,7 +103,7 @@ def test_slider_crank_at_its_dead_centres(angle: float, sign: float) -> None:
     """
     mechanism = slider_crank()
     crank, rod = (link.length for link in mechanism.linkage.topology.links)
-    found = rigid(mechanism, StrengthRequest(np.array([angle]), SPEED)).dataset
+    found = rigid(mechanism, StrengthRequest(SPEED, crank_angles=np.array([angle]))).dataset
     ratio = 1 + sign * crank / rod
     force = 0.5 * crank * SPEED**2 * ratio
     own = checks(found, "A", "rod")
@@ -138,7 +138,7 @@ def test_pin_of_a_slider_carries_its_block() -> None:
             other = checks(found, "A", "rod")[mode]
             for name in ("pin_load_factor", "pin_speed_factor", "pin_worst_angle"):
                 assert float(own[name]) == pytest.approx(float(other[name]), rel=1e-5)
-    dead = rigid(mechanism, StrengthRequest(np.zeros(1), SPEED)).dataset
+    dead = rigid(mechanism, StrengthRequest(SPEED, crank_angles=np.zeros(1))).dataset
     wear = 0.5 * crank * SPEED**2 * (1 + crank / rod) * SPEED * (crank / rod) / (2 * WIDTH)
     assert float(checks(dead, "B")["p v"]["pin_stress"]) == pytest.approx(wear, rel=1e-6)
 
@@ -179,7 +179,7 @@ def test_force_on_an_eye_is_what_its_link_carries_there(model: str) -> None:
     )
     mechanism, checked = replace(heavy, joint_pins=pins_of_one_size), 0
     for angle in np.radians([10.0, 200.0]):
-        found = rigid(mechanism, StrengthRequest(np.array([angle]), 20.0)).dataset
+        found = rigid(mechanism, StrengthRequest(20.0, crank_angles=np.array([angle]))).dataset
         for joint, ends in pins.items():
             for end in ends:
                 own = checks(found, joint, end.link).get("bearing yield")
@@ -206,11 +206,11 @@ def loaded() -> Mechanism:
 def test_at_its_speed_factor_each_check_is_at_its_bound() -> None:
     """Weight and load stay, inertia grows: seen by computing anew at the faster speed."""
     mechanism, angles = loaded(), np.radians(np.arange(0.0, 361.0, 20.0))
-    slow = rigid(mechanism, StrengthRequest(angles, 100.0)).dataset
+    slow = rigid(mechanism, StrengthRequest(100.0, crank_angles=angles)).dataset
     first = {str(mode): number for number, mode in reversed([*enumerate(slow["pin_mode"].values)])}
     for number in first.values():
         factor = float(slow["pin_speed_factor"][0, number])
-        faster = StrengthRequest(angles, 100.0 * factor)
+        faster = StrengthRequest(100.0 * factor, crank_angles=angles)
         fast = rigid(mechanism, faster).dataset.isel(pin_check=number, engine=0)
         assert float(fast["pin_load_factor"]) == pytest.approx(1.0, rel=1e-9)
         assert factor**2 != pytest.approx(float(slow["pin_load_factor"][0, number]), rel=1e-2)
@@ -262,7 +262,9 @@ def test_a_pin_has_a_row_for_the_check_that_loads_and_for_the_one_that_speed_bre
     Short elastic links are nearly rigid ones.
     """
     mechanism = in_sections(load_mechanism(MODELS / "aluminium_fourbar.toml"), HEAVY)
-    speed = StrengthRequest(np.radians(np.arange(0.0, 360.0, 30.0)), 20.0, source=source)
+    speed = StrengthRequest(
+        20.0, crank_angles=np.radians(np.arange(0.0, 360.0, 30.0)), source=source
+    )
     plain = JointPin("A", 8e-3, bush_length=10e-3)
 
     def found(**allowed: float) -> Strength:
@@ -337,7 +339,7 @@ def test_speed_of_a_bush_is_searched_by_runs() -> None:
     wear = rigid(pinned(mechanism, allowable_pv=1.0), 60.0).dataset
     greatest = float(wear["pin_stress"].values[0, wear["pin_mode"].values == "p v"].max())
     limited = pinned(mechanism, allowable_pv=4 * greatest)
-    request = StrengthRequest(crank_speed=60.0, source="periodic")
+    request = StrengthRequest(60.0, source="periodic")
     data = strength(flexmech.ReferenceEngine(limited, 2), request).dataset
     assert str(data["margin_mode"].values[0]) == "p v"
     assert data["margin_speed_factor"].values[0] == pytest.approx(np.cbrt(4.0), rel=0.02)

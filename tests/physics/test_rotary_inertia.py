@@ -14,20 +14,19 @@ from flexmech import (
     ConstantSpeed,
     ExudynEngine,
     JointPin,
-    KinematicsRequest,
     Material,
     Mechanism,
     MotorDrive,
     ReferenceEngine,
     ResponseRequest,
     RotatingArm,
-    StrengthRequest,
     TorqueMotor,
     kinematics,
     natural_frequencies,
     response,
     strength,
 )
+from flexmech.analyses import StrengthRequest
 from flexmech.choices import Prestress
 from flexmech.materials import Laminate, Layer, Ply
 from flexmech.modelfile import mechanism_from_toml
@@ -99,7 +98,7 @@ def test_layers_of_unlike_density_turn_about_the_axis() -> None:
     section, square = two_layers()
     mechanism = replace(arm(), sections={"arm": section})
     length = mechanism.linkage.topology.links[0].length
-    data = kinematics(mechanism, KinematicsRequest([0.0], 0.0, crank_acceleration=100.0)).dataset
+    data = kinematics(mechanism, 0.0, crank_angles=[0.0], crank_acceleration=100.0).dataset
     inertia = section.mass_per_length * length**3 / 3 + square * length
     assert data["driving_torque"].item() == pytest.approx(100.0 * inertia, rel=1e-12)
 
@@ -198,7 +197,7 @@ def test_forces_of_stiff_links_are_those_of_rigid_ones(engine: Any, element: str
     request = ResponseRequest(ConstantSpeed(speed), 0.006, **asked)
     data = response([engine(mechanism, 2, element)], request).dataset.isel(engine=0)
     angles = data["crank_angle"].values
-    rigid = kinematics(mechanism, KinematicsRequest(angles, speed)).dataset
+    rigid = kinematics(mechanism, speed, crank_angles=angles).dataset
     for name in ("driving_torque", "joint_force"):
         had = data[name].transpose("time", ...).values
         wanted = rigid[name].transpose("crank_angle", ...).values
@@ -212,7 +211,7 @@ def test_internal_forces_of_stiff_links_are_those_of_rigid_ones(engine: Any, ele
     pins, mechanism = (JointPin("B", 8e-3, bush_length=10e-3, allowable_pv=1e6),), stiff_fourbar()
     plain = {name: replace(section, layers=None) for name, section in mechanism.sections.items()}
     mechanism = replace(mechanism, joint_pins=pins, sections=plain)
-    request = StrengthRequest(np.radians([20.0, 140.0]), 20.0, search_speed=False)
+    request = StrengthRequest(20.0, crank_angles=np.radians([20.0, 140.0]), search_speed=False)
     by_engine, by_hand = (
         strength(engine(mechanism, 2, element), replace(request, source=source)).dataset.isel(
             engine=0

@@ -19,7 +19,6 @@ from flexmech import (
     AttachedBody,
     ExudynEngine,
     JointSpring,
-    KinematicsRequest,
     Load,
     Mechanism,
     MotorDrive,
@@ -33,6 +32,7 @@ from flexmech import (
     load_mechanism,
     response,
 )
+from flexmech.analyses import KinematicsRequest
 from flexmech.linkages import GROUND, AttachmentPoint
 from tests.support.mechanisms import quick_return, slider_crank
 from tests.support.sprung_frame_data import stiffened
@@ -126,7 +126,7 @@ MECHANISMS = {
 @pytest.mark.parametrize("make", MECHANISMS.values(), ids=MECHANISMS)
 def test_it_is_the_rate_of_momentum(make: object) -> None:
     mechanism = make()  # type: ignore[operator]
-    data = kinematics(mechanism, KinematicsRequest(TURN, SPEED, moment_point=POINT)).dataset
+    data = kinematics(mechanism, SPEED, crank_angles=TURN, moment_point=POINT).dataset
     force, moment = by_momentum(mechanism)
     np.testing.assert_allclose(data["shaking_force"], force, atol=1e-12 * np.abs(force).max())
     np.testing.assert_allclose(data["shaking_moment"], moment, atol=1e-12 * np.abs(moment).max())
@@ -135,7 +135,7 @@ def test_it_is_the_rate_of_momentum(make: object) -> None:
 def test_an_accelerated_shaft_pushes_back_on_the_frame() -> None:
     """By minus the moment of inertia about the shaft times the acceleration."""
     mechanism = replace(on_a_hub(), shaft_inertia=0.3)
-    asked = KinematicsRequest(TURN[:4], SPEED, crank_acceleration=7.0)
+    asked = KinematicsRequest(SPEED, crank_angles=TURN[:4], crank_acceleration=7.0)
     heavy = kinematics(mechanism, asked)
     light = kinematics(replace(mechanism, shaft_inertia=0.0), asked).dataset
     more = heavy.dataset["shaking_moment"] - light["shaking_moment"]
@@ -169,10 +169,10 @@ def waves(data: xr.Dataset, angles: np.ndarray) -> np.ndarray:
 
 def test_orders_add_up_to_the_force_whatever_angles_are_asked_for() -> None:
     mechanism = load_mechanism(example_model("slider_crank"))
-    asked = KinematicsRequest(np.radians([0.0, 90.0, 360.0]), 100.0)
+    asked = KinematicsRequest(100.0, crank_angles=np.radians([0.0, 90.0, 360.0]))
     data = kinematics(mechanism, asked).dataset
     angles = np.radians(np.arange(0.0, 361.0, 7.0))
-    force = kinematics(mechanism, KinematicsRequest(angles, 100.0)).dataset["shaking_force"].values
+    force = kinematics(mechanism, 100.0, crank_angles=angles).dataset["shaking_force"].values
     # What is beyond order ten: the tenth itself is of that size.
     rest = data["shaking_force_order"].values[-1]
     assert 0 < rest < 1e-3 * np.abs(force).max()
@@ -188,7 +188,7 @@ def test_orders_of_a_linkage_with_sharp_peaks_have_no_alias() -> None:
     linkage = replace(fourbar().linkage, crank=0.1325, coupler=0.1525)
     mechanism = fourbar(linkage)
     angles = 2 * np.pi * np.arange(7200) / 7200
-    fine = kinematics(mechanism, KinematicsRequest(angles, SPEED)).dataset["shaking_force"].values
+    fine = kinematics(mechanism, SPEED, crank_angles=angles).dataset["shaking_force"].values
     spectrum = np.fft.fft(fine @ [1, 1j]) / len(angles)
     orders = np.arange(11)
     # A rotating pair of arrows: the long axis is the sum of their lengths.

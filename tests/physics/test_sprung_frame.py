@@ -209,8 +209,8 @@ def test_frequencies_change_with_the_mass_of_the_frame(models: Path, tmp_path: P
 def test_parts_on_a_heavy_frame_bear_what_they_bear_on_the_ground(
     aluminium: flexmech.Mechanism,
 ) -> None:
-    request = flexmech.StrengthRequest(
-        crank_speed=20.0, source="transient", revolutions=0.1, search_speed=False
+    request = flexmech.analyses.StrengthRequest(
+        20.0, source="transient", revolutions=0.1, search_speed=False
     )
     heavy = on_springs(aluminium, sprung((1e6, 1e6), mass=1e9, inertia=1e9))
     found, wanted = (

@@ -24,10 +24,10 @@ from flexmech import (
     RotatingArm,
     Spring,
     Strength,
-    StrengthRequest,
     load_mechanism,
     strength,
 )
+from flexmech.analyses import StrengthRequest
 from flexmech.linkages import GROUND, AttachmentPoint
 from flexmech.materials import Ply
 from flexmech.sections import residual_ply_stresses
@@ -48,7 +48,7 @@ def arm(**others: object) -> Mechanism:
 
 def rigid(mechanism: Mechanism, asked: StrengthRequest | float) -> Strength:
     """Of links that are taken as rigid, whose forces can be had by hand."""
-    request = asked if isinstance(asked, StrengthRequest) else StrengthRequest(crank_speed=asked)
+    request = asked if isinstance(asked, StrengthRequest) else StrengthRequest(asked)
     return strength(mechanism, replace(request, source="rigid"))
 
 
@@ -70,7 +70,7 @@ def test_a_force_across_its_tip_bends_an_arm() -> None:
     """At rest: 6 F L / (b h^2) at the root, on both surfaces."""
     force = 50.0
     load = Load("push", AttachmentPoint("arm", LENGTH), ((0.0, force),))
-    found = rigid(arm(loads=(load,)), StrengthRequest(np.zeros(1), 0.0)).dataset
+    found = rigid(arm(loads=(load,)), StrengthRequest(0.0, crank_angles=np.zeros(1))).dataset
     stress = 6 * force * LENGTH / (WIDTH * HEIGHT**2)
     assert found["margin_index"].values[0] == pytest.approx(stress / YIELD, rel=1e-7)
     assert np.isnan(found["margin_speed_factor"].values[0])
@@ -121,7 +121,7 @@ def loaded_mechanism(name: str) -> Mechanism:
 def test_what_lies_between_two_cuts_is_in_balance(name: str) -> None:
     """Newton's and Euler's laws between neighbouring places of every link, loaded and running."""
     mechanism, angles, speed = loaded_mechanism(name), np.radians(np.arange(0.0, 360.0, 30.0)), 25.0
-    found = rigid(mechanism, StrengthRequest(angles, speed)).dataset.isel(engine=0)
+    found = rigid(mechanism, StrengthRequest(speed, crank_angles=angles)).dataset.isel(engine=0)
     motion = mechanism.linkage.motion(angles, speed, 0.0)
     points, weights = np.polynomial.legendre.leggauss(4)
     checked = 0
@@ -162,7 +162,7 @@ CARBON = Ply(
     strength=STRENGTH,
 )
 CROSS_PLY = Laminate.stacked([CARBON] * 4, 1e-3, np.radians([0, 90, 90, 0]))
-STILL = StrengthRequest(np.zeros(1), 0.0, criterion="max-stress")
+STILL = StrengthRequest(0.0, crank_angles=np.zeros(1), criterion="max-stress")
 
 
 def pulled(stress_free: float | None = None, ply: Ply = CARBON) -> Mechanism:
@@ -200,7 +200,7 @@ def test_cure_takes_part_of_the_strength_and_heat_gives_it_back() -> None:
 
 def test_plies_that_cure_has_broken_bear_nothing() -> None:
     weak = replace(CARBON, strength=replace(STRENGTH, transverse_tension=5e6))
-    found = rigid(pulled(393.15, weak), StrengthRequest(np.zeros(1), 0.0))
+    found = rigid(pulled(393.15, weak), StrengthRequest(0.0, crank_angles=np.zeros(1)))
     assert found.dataset["margin_load_factor"].values[0] == 0.0
     assert "cure" in found.summary().answer[0]
     assert found.summary().warnings
@@ -222,7 +222,7 @@ def test_margins_are_the_worst_of_all_places(laminated: Strength) -> None:
     # At the worst crank angle alone the same factor is found.
     first = laminated.dataset.isel(margin=0)
     angle = np.array([float(first["margin_crank_angle"])])
-    request = StrengthRequest(angle, 950.0, speed_unit="rpm", search_speed=False)
+    request = StrengthRequest(950.0, crank_angles=angle, speed_unit="rpm", search_speed=False)
     alone = float(strength(composite(), request).dataset["margin_load_factor"][0])
     assert alone == pytest.approx(float(first["margin_load_factor"]), rel=1e-12)
 
@@ -241,7 +241,7 @@ def test_links_in_air_for_a_thousand_years_are_equally_moist() -> None:
 
     def factors(environment: object) -> np.ndarray:
         request = StrengthRequest(
-            np.radians(np.arange(0.0, 361.0, 30.0)), 20.0, environment=environment
+            20.0, crank_angles=np.radians(np.arange(0.0, 361.0, 30.0)), environment=environment
         )
         return rigid(mechanism, request).dataset["margin_load_factor"].values
 
@@ -344,7 +344,7 @@ def test_the_greatest_moment_between_two_places_is_found(elements: int) -> None:
     force = 0.6 * weight * LENGTH
     load = Load("lift", AttachmentPoint("arm", LENGTH), ((0.0, force),))
     bent = arm(loads=(load,), gravity=(0.0, -9.81))
-    found = rigid(bent, StrengthRequest(np.zeros(1), 0.0, elements=elements)).dataset
+    found = rigid(bent, StrengthRequest(0.0, crank_angles=np.zeros(1), elements=elements)).dataset
     stress = 6 * force**2 / (2 * weight) / (WIDTH * HEIGHT**2)
     assert found["margin_load_factor"].values[0] == pytest.approx(YIELD / stress, rel=1e-8)
     assert found["margin_position"].values[0] == pytest.approx(LENGTH - force / weight, rel=1e-5)
@@ -365,7 +365,11 @@ def test_factors_do_not_depend_on_places_and_crank_angles_asked_for() -> None:
     """From 2 to 100 places of a link, from steps of 45 degrees to those of one."""
     turn = [np.radians(np.arange(0.0, 361.0, step)) for step in (45.0, 20.0, 1.0)]
     found = [
-        factors_of(rigid(yielding_fourbar().mechanism, StrengthRequest(angles, 20.0, elements=n)))
+        factors_of(
+            rigid(
+                yielding_fourbar().mechanism, StrengthRequest(20.0, crank_angles=angles, elements=n)
+            )
+        )
         for angles, n in zip(turn, (2, 9, 100), strict=True)
     ]
     for one in found[:2]:
@@ -377,9 +381,10 @@ def test_the_printed_error_of_factors_holds_against_a_fine_model() -> None:
     coarse, fine = (
         strength(
             yielding_fourbar(elements),
-            StrengthRequest(
-                np.radians(np.arange(0.0, 361.0, step)), 20.0, elements=4, search_speed=False
-            ),
+            20.0,
+            crank_angles=np.radians(np.arange(0.0, 361.0, step)),
+            elements=4,
+            search_speed=False,
         )
         for elements, step in ((4, 30.0), (16, 2.0))
     )
@@ -395,16 +400,16 @@ def test_a_linkage_that_cannot_be_moved_between_the_angles_is_judged_at_them_alo
     swinging = flexmech.FourBar(0.3, 0.2, 0.15, 0.2)
     mechanism = replace(yielding_fourbar().mechanism, linkage=swinging)
     angles = np.radians([5.0, 10.0, 350.0])
-    found = rigid(mechanism, StrengthRequest(angles, 10.0))
+    found = rigid(mechanism, StrengthRequest(10.0, crank_angles=angles))
     assert "of the crank angles asked for alone" in found.summary().trust
     assert set(found.dataset["margin_crank_angle"].values) <= set(angles)
-    alone = rigid(mechanism, StrengthRequest(angles[:1], 10.0)).summary().trust
+    alone = rigid(mechanism, StrengthRequest(10.0, crank_angles=angles[:1])).summary().trust
     assert alone == "load factors are known to 0.0001 %"
 
 
 @pytest.mark.thorough
 def test_the_printed_error_of_factors_of_a_vibration_holds_against_a_fine_model() -> None:
-    request = StrengthRequest(crank_speed=20.0, source="periodic", search_speed=False)
+    request = StrengthRequest(20.0, source="periodic", search_speed=False)
     coarse, fine = (strength(yielding_fourbar(n), request) for n in (4, 16))
     known, exact = coarse.dataset["margin_error"].values, factors_of(fine)
     errors = [abs(factor / exact[name] - 1) for name, factor in factors_of(coarse).items()]

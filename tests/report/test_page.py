@@ -150,7 +150,10 @@ def test_links_that_do_not_bend_have_no_curve(write: Write) -> None:
 
 def test_several_results_of_a_kind_are_told_apart(write: Write) -> None:
     """Torques of inertia grow as the square of the speed."""
-    request = (flexmech.KinematicsRequest(results.TURN, speed) for speed in (10.0, 20.0))
+    request = (
+        flexmech.analyses.KinematicsRequest(speed, crank_angles=results.TURN)
+        for speed in (10.0, 20.0)
+    )
     page = write(*(flexmech.kinematics(results.fourbar(), each) for each in request))
     torque = {
         trace.when["speed"]: np.abs(trace.y).max()

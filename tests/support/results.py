@@ -147,13 +147,13 @@ def running_hammer() -> flexmech.RunningHammerTest:
 
 @functools.cache
 def kinematics() -> flexmech.Kinematics:
-    return flexmech.kinematics(fourbar(), flexmech.KinematicsRequest(TURN, 20.0, (1, 4, 4)))
+    return flexmech.kinematics(fourbar(), 20.0, crank_angles=TURN, lumped=(1, 4, 4))
 
 
 @functools.cache
 def balance() -> flexmech.Balance:
     engine = flexmech.ReferenceEngine(fourbar(), 2)
-    return flexmech.balance(engine, flexmech.BalanceRequest(20.0, crank_angles=TURN))
+    return flexmech.balance(engine, 20.0, crank_angles=TURN)
 
 
 @functools.cache

@@ -2,8 +2,7 @@
 import flexmech
 
 mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-request = flexmech.BalanceRequest(190.0, radii=(0.04, 0.06), speed_unit="rpm", elastic=False)
-result = flexmech.balance(mechanism, request)
+result = flexmech.balance(mechanism, 190.0, radii=(0.04, 0.06), speed_unit="rpm", rigid=True)
 print(result.summary())
 result.save("results")  # the balanced model file among them
 result.plot().savefig("balance.png")

@@ -1,7 +1,6 @@
 import flexmech
 
 mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-request = flexmech.KinematicsRequest(crank_speed=20.0, lumped=(1, 4, 4))
-result = flexmech.kinematics(mechanism, request)
+result = flexmech.kinematics(mechanism, 20.0, lumped=(1, 4, 4))
 print(result.summary())
 result.plot().savefig("kinematics.png")

@@ -35,10 +35,11 @@ from flexmech.analyses.balance.elastic import (
 from flexmech.analyses.balance.request import WEIGHED, BalanceRequest
 from flexmech.analyses.balance.words import summary_of
 from flexmech.analyses.datasets import origin
+from flexmech.analyses.requests import asks
 from flexmech.analyses.result import Result
 from flexmech.analyses.schema import Values, schema_of
 from flexmech.analyses.summary import Summary
-from flexmech.arrays import LabelledProgress, silent
+from flexmech.arrays import silent
 from flexmech.errors import FlexmechError, InputError
 from flexmech.linkages.frame_forces import OneCouplerLinkage, ShakingForce, shaft_axis
 from flexmech.mechanics import Engine, checked_mechanism
@@ -265,13 +266,8 @@ _NOISE = 1e-15
 _SEARCHED = 1e-8
 
 
-def balance(
-    mechanism: Mechanism | Engine,
-    speed: BalanceRequest | float | None = None,
-    *,
-    speed_unit: str | None = None,
-    progress: LabelledProgress | None = None,
-) -> Balance:
+@asks(BalanceRequest)
+def balance(mechanism: Mechanism | Engine, request: BalanceRequest) -> Balance:
     """Find counterweights on crank and follower that keep a linkage from shaking its frame.
 
     Of a four-bar they make the centre of all masses stand still (Berkof and Lowen, Journal of
@@ -284,14 +280,6 @@ def balance(
     ----------
     mechanism : Mechanism or Engine
         A four-bar or a slider-crank; of an engine its mechanism counts.
-    speed : float or BalanceRequest, optional
-        Crank speed in ``speed_unit``, or all that can be asked for. Left out: the greatest speed at
-        which the mechanism operates.
-    speed_unit : str, optional
-        Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s,
-        that of the request, or that of the model file for the mechanism's speed.
-    progress : callable, optional
-        Called with a label, the runs done and the runs to do.
 
     Returns
     -------
@@ -307,18 +295,12 @@ def balance(
     Examples
     --------
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-    >>> found = flexmech.balance(mechanism, flexmech.BalanceRequest(20.0, elastic=False))
+    >>> found = flexmech.balance(mechanism, 20.0, rigid=True)
     >>> [round(1e3 * float(mass), 2) for mass in found.dataset["counterweight_mass"]]  # g
     [62.83, 64.87]
     """
     own = mechanism.mechanism if isinstance(mechanism, Engine) else mechanism
-    given, report = checked_mechanism(own), progress or silent
-    if not isinstance(speed, BalanceRequest):
-        request = BalanceRequest(speed, speed_unit=speed_unit)
-    elif speed_unit is not None:
-        raise InputError("speed_unit: the request has its own; give it there")
-    else:
-        request = speed
+    given, report = checked_mechanism(own), request.progress or silent
     weights, remark = counterweights(given, request)
     after = balanced(given, weights)
     dataset = balance_dataset((given, after), weights, request)
@@ -326,7 +308,7 @@ def balance(
         "aim": remark,
         "balanced_model": balanced_text(after, given, weights, f"Counterweights: {remark}."),
     }
-    if request.elastic and any(not link.rigid for link in given.linkage.topology.links):
+    if not request.rigid and any(not link.rigid for link in given.linkage.topology.links):
         found = []
         for number, state in enumerate((given, after)):
             report("elastic links", number, len(STATES))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_attributes, theory_lines
@@ -20,8 +20,8 @@ from flexmech.analyses.campbell import answer as answers
 from flexmech.analyses.campbell import words
 from flexmech.analyses.campbell.crossings import CriticalSpeed
 from flexmech.analyses.campbell.engine_bands import EngineDiagram, Gap, engine_diagram
-from flexmech.analyses.campbell.request import ORDERS, CampbellRequest
-from flexmech.analyses.crank_speeds import CAMPBELL, asked_speeds
+from flexmech.analyses.campbell.request import CampbellRequest
+from flexmech.analyses.crank_speeds import asked_speeds
 from flexmech.analyses.datasets import (
     columns_of,
     engine_coordinates,
@@ -31,7 +31,15 @@ from flexmech.analyses.datasets import (
     with_terms,
 )
 from flexmech.analyses.frequencies.flutter import flutter_at
-from flexmech.analyses.requests import Engines, as_many_modes, engines_of, fewer_modes_lines
+from flexmech.analyses.options import CampbellOptions
+from flexmech.analyses.requests import (
+    Engines,
+    as_many_modes,
+    asked_engines,
+    asks,
+    engines_of,
+    fewer_modes_lines,
+)
 from flexmech.analyses.result import Result
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import (
@@ -42,9 +50,10 @@ from flexmech.analyses.summary import (
     warnings_of,
 )
 from flexmech.arrays import IntArray, LabelledProgress, silent
-from flexmech.choices import PRESTRESS_LEVELS, Prestress
-from flexmech.hygrothermal import Environment, mechanism_in_state
-from flexmech.mechanics import Engine, RotationTerms
+from flexmech.choices import PRESTRESS_LEVELS
+from flexmech.crank_values import CAMPBELL
+from flexmech.hygrothermal import mechanism_in_state
+from flexmech.mechanics import Engine
 from flexmech.solvers.formulation import Formulation, Systems
 from flexmech.threads import one_thread
 from flexmech.validation import POSITIVE, check_choice, check_number, checked_array
@@ -226,24 +235,8 @@ def _solved(diagram: EngineDiagram) -> NDArray[np.bool_]:
     return np.isin(sampled.crank_speed[diagram.places], sampled.solved.crank_speed)
 
 
-# Every five degrees of a turn: extremes between them are refined.
-TURN = np.radians(np.arange(0.0, 360.0, 5.0))
-
-
-def campbell(
-    engine: Engines,
-    crank_speeds: ArrayLike | None = None,
-    *,
-    crank_angles: ArrayLike | None = None,
-    orders: ArrayLike = ORDERS,
-    modes: int | None = None,
-    prestress: Prestress = "equilibrium",
-    rotation_terms: bool | RotationTerms = True,
-    environment: Environment | None = None,
-    speed_unit: str | None = None,
-    tolerance: float | None = None,
-    progress: LabelledProgress | None = None,
-) -> CampbellDiagram:
+@asks(CampbellOptions)
+def campbell(mechanism: Engines, asked: CampbellOptions) -> CampbellDiagram:
     """Bands of the natural frequencies over crank speed, and where the crank's orders meet them.
 
     The b-th branch is the b-th lowest natural frequency at each crank angle and speed: where two
@@ -254,31 +247,8 @@ def campbell(
 
     Parameters
     ----------
-    engine : Engine, Mechanism or sequence of them
-        Several engines give results side by side; of a mechanism the reference engine is made.
-    crank_speeds : array_like, shape (S,), optional
-        In ``speed_unit``. Left out: from zero to 1.5 times the greatest speed at which the
-        mechanism operates.
-    crank_angles : array_like, shape (A,), optional
-        Increasing, rad, over which the bands reach. Left out: a turn in steps of 5 degrees.
-    orders : array_like of int, shape (o,)
-        Multiples of the crank's speed.
-    modes : int, optional
-        Number of branches. Left out: 4, or as many as the model has and as oscillate.
-    prestress : {"none", "axial", "equilibrium"}
-    rotation_terms : bool or RotationTerms
-        Terms of the turning link frames: all, none (the frozen inertial form), or those selected.
-    environment : HygrothermalState or Exposure, optional
-        Heat and moisture that the linkage turns in; dry by default.
-    speed_unit : str, optional
-        Unit of the crank speeds given, such as ``"rpm"``, in which the result speaks of them. Left
-        out: rad/s, and the unit of the model file for speeds that are its own.
-    tolerance : float, optional
-        Estimated relative error of the frequencies by the mesh: each engine doubles its elements
-        until it is met at the lowest speed, up to 32 on each link; the error at higher speeds is
-        told. Left out: the engines' elements are kept.
-    progress : callable, optional
-        Called as ``progress(label, done, total)``.
+    mechanism : Mechanism, Engine or sequence of them
+        Several engines give results side by side.
 
     Returns
     -------
@@ -301,27 +271,29 @@ def campbell(
     0      9       1       29.48     30.00
     1     10       1       26.72     29.61
     """
-    engines = engines_of(engine)
+    engines = engines_of(asked_engines(mechanism, asked, asked.elements))
+    tolerance = asked.tolerance if asked.elements is None else None
     if tolerance is not None:
         check_number(tolerance, "tolerance", bounds=POSITIVE)
-    check_choice(prestress, PRESTRESS_LEVELS, "prestress")
-    speeds, unit = asked_speeds(crank_speeds, speed_unit, engines[0].mechanism, CAMPBELL)
-    angles = TURN if crank_angles is None else checked_array(crank_angles, "crank_angles", "rad")
-    multiples = cast(IntArray, checked_array(orders, "orders"))
-    report = progress or silent
-    lines = environment_lines(engines[0].mechanism, environment)
+    check_choice(asked.prestress, PRESTRESS_LEVELS, "prestress")
+    first, environment = engines[0].mechanism, asked.environment
+    speeds, unit = asked_speeds(asked.crank_speeds, asked.speed_unit, first, CAMPBELL)
+    angles = checked_array(asked.crank_angles, "crank_angles", "rad")
+    multiples = cast(IntArray, checked_array(asked.orders, "orders"))
+    report = asked.progress or silent
+    lines = environment_lines(first, environment)
     if environment is not None:
-        wet = mechanism_in_state(engines[0].mechanism, environment)
+        wet = mechanism_in_state(first, environment)
         engines = [each.with_(mechanism=wet) for each in engines]
 
     def compute(count: int) -> xr.Dataset:
-        formulation = Formulation(prestress, rotation_terms, count)
+        formulation = Formulation(asked.prestress, asked.rotation_terms, count)
         request = CampbellRequest(speeds, angles, multiples, formulation, unit)
         fit = [each.fit_for(count) for each in engines]
         found = _diagram(fit, request, tolerance, report)
         return found.assign_attrs(theory_attributes(fit, count))
 
-    dataset, fewer = as_many_modes(compute, modes, unit)
+    dataset, fewer = as_many_modes(compute, asked.modes, unit)
     attributes = left_out_attributes(engines[0].mechanism) | fewer
     told = dataset.assign_attrs(attributes, environment_lines="\n".join(lines))
     return CampbellDiagram(told)

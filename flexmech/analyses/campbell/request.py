@@ -10,15 +10,10 @@ from numpy.typing import ArrayLike
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.requests import without_end
 from flexmech.arrays import FloatArray, IntArray
+from flexmech.crank_values import MOST_ORDER
 from flexmech.errors import InputError
 from flexmech.solvers.formulation import Formulation
-from flexmech.units import parse_number
 from flexmech.validation import checked_array
-
-# Of the crank's speed, drawn by default: harmonics of the loads fade within the first ten.
-ORDERS = tuple(range(1, 11))
-# More are taken for a slip: a thousand rays are drawn as one surface.
-MOST_ORDER = 1000
 
 
 @dataclass(frozen=True)
@@ -78,34 +73,3 @@ def _checked_orders(values: ArrayLike) -> IntArray:
     if len(np.unique(orders)) != len(orders):
         raise InputError("orders repeats an order; give each one once")
     return np.sort(orders.astype(np.intp))
-
-
-def parse_orders(text: str) -> list[int]:
-    """Orders as a user writes them: a comma list, START:STOP or START:STOP:STEP; sorted.
-
-    Parameters
-    ----------
-    text : str
-
-    Returns
-    -------
-    list of int
-
-    Raises
-    ------
-    InputError
-        If it is anything else, or an order is there twice.
-    """
-    remedy = 'write whole numbers from 1 on: "1:10", or with a step "2:12:2", or a list "1,2,4"'
-    separator = ":" if ":" in text else ","
-    parts = [parse_number(part) for part in text.split(separator)]
-    if any(part != int(part) or not 1 <= part <= MOST_ORDER for part in parts):
-        raise InputError(f"got {text!r}; {remedy} (up to {MOST_ORDER})")
-    whole = [int(part) for part in parts]
-    if separator == ":":
-        if len(whole) not in (2, 3) or whole[1] < whole[0]:
-            raise InputError(f"got {text!r}, which is no range; {remedy}")
-        return list(range(whole[0], whole[1] + 1, *whole[2:]))
-    if len(set(whole)) < len(whole):
-        raise InputError(f"got {text!r}, which repeats an order; give each one once")
-    return sorted(whole)

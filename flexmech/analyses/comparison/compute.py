@@ -26,13 +26,14 @@ from flexmech.analyses.comparison.problem import (
     damping_times,
 )
 from flexmech.analyses.comparison.words import comparison_summary
-from flexmech.analyses.crank_speeds import GREATEST, asked_speeds, in_unit
+from flexmech.analyses.crank_speeds import asked_speeds, in_unit
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import provenance, table_of
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, left_out_attributes
 from flexmech.arrays import LabelledProgress, silent
+from flexmech.crank_values import GREATEST
 from flexmech.errors import InputError, suggestion
 from flexmech.measured_data import MeasuredRecord, read_record
 from flexmech.mechanics import Engine

@@ -17,12 +17,13 @@ from flexmech.analyses.frequencies.discretisation import check_angle_indices
 from flexmech.analyses.frequencies.engine_map import drawn_between, map_engine, shapes_asked_for
 from flexmech.analyses.frequencies.frequency_map import speed_effect_terms
 from flexmech.analyses.frequencies.modal_damping import links_without_loss
-from flexmech.analyses.frequencies.request import FrequencyRequest, operating_speeds
+from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.frequencies.result import MovingFrequencies
 from flexmech.analyses.requests import Engines, as_many_modes, engines_of
 from flexmech.analyses.summary import environment_lines, left_out_attributes, state_name
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import MapPrestress, ShaftChoice
+from flexmech.crank_values import operating_speeds
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.mechanics import Engine, RotationTerms
 from flexmech.mechanism import drawing

@@ -10,15 +10,12 @@ import numpy as np
 from flexmech.analyses.requests import check_list, in_radians
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
-from flexmech.mechanism import Mechanism
 from flexmech.solvers.formulation import Formulation
 from flexmech.validation import POSITIVE, check_flag, check_instance, check_number, checked_array
 
 FORMULATION = Formulation()
 # Each with the mode shape of three links at nine stations, 1 kB.
 MOST_FREQUENCIES = 4_000_000
-# Of linkages whose file names no speed: standstill, and the speeds of the first examples.
-SPEEDS = (0.0, 10.0, 20.0)
 # Every 5 deg of a turn, each a picture of its own.
 MOST_SHAPES = 72
 
@@ -115,13 +112,3 @@ class FrequencyRequest:
         covered = self.crank_angles[-1] - self.crank_angles[0]
         step = float(np.max(np.diff(self.crank_angles)))
         return bool(2 * np.pi - 1.001 * step <= covered <= 2 * np.pi + 1e-9)
-
-
-def operating_speeds(mechanism: Mechanism) -> FloatArray:
-    """Standstill and the speeds in rad/s at which a mechanism operates, ascending.
-
-    0, 10 and 20 rad/s, the speeds of Kumar & Chandrakar, if it names none.
-    """
-    return np.array(
-        sorted({0.0, *mechanism.operating_speeds}) if mechanism.operating_speeds else SPEEDS
-    )

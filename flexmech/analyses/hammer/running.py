@@ -18,7 +18,7 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_attributes, theory_lines
-from flexmech.analyses.crank_speeds import GREATEST, RAD_S, asked_speeds, in_unit
+from flexmech.analyses.crank_speeds import RAD_S, asked_speeds, in_unit
 from flexmech.analyses.damping_ratios import (
     CountedLoss,
     lowest_frequency,
@@ -39,6 +39,7 @@ from flexmech.analyses.requests import engine_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table, crank_speed_text, warnings_of
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
+from flexmech.crank_values import GREATEST
 from flexmech.dynamical_systems import (
     ForcedPeriodicSystem,
     balanced_response,

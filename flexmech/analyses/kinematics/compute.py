@@ -22,6 +22,7 @@ from flexmech.analyses.kinematics.positions import (
 )
 from flexmech.analyses.kinematics.request import KinematicsRequest
 from flexmech.analyses.kinematics.result import Kinematics
+from flexmech.analyses.requests import asks
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import crank_speed_text
 from flexmech.arrays import FloatArray
@@ -50,12 +51,8 @@ _PARTS_OF_A_RUN = 720
 _TURN = np.radians(np.arange(0.0, 360.0))
 
 
-def kinematics(
-    mechanism: Mechanism | Engine,
-    speed: KinematicsRequest | float | None = None,
-    *,
-    speed_unit: str | None = None,
-) -> Kinematics:
+@asks(KinematicsRequest)
+def kinematics(mechanism: Mechanism | Engine, request: KinematicsRequest) -> Kinematics:
     """Angles, velocities, accelerations, joint forces and driving torque of the rigid linkage.
 
     The shaft turns at constant speed, or has an acceleration besides. Loads over time begin at
@@ -65,12 +62,6 @@ def kinematics(
     ----------
     mechanism : Mechanism or Engine
         Of an engine its mechanism counts.
-    speed : float or KinematicsRequest, optional
-        Crank speed in ``speed_unit``, over a turn in steps of one degree, or all that can be asked
-        for. Left out: the mechanism's drive, or the greatest speed at which it operates.
-    speed_unit : str, optional
-        Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s,
-        that of the request, or that of the model file for the mechanism's speed.
 
     Returns
     -------
@@ -92,12 +83,7 @@ def kinematics(
     """
     own = mechanism.mechanism if isinstance(mechanism, Engine) else mechanism
     mechanism = checked_mechanism(own)
-    if not isinstance(speed, KinematicsRequest):
-        drive = mechanism.drive if speed is None and speed_unit is None else None
-        speed = KinematicsRequest(crank_speed=speed, speed_unit=speed_unit, drive=drive)
-    elif speed_unit is not None:
-        raise InputError("speed_unit: the request has its own; give it there")
-    request = speed.of(mechanism)
+    request = request.of(mechanism)
     speed = request.speed_of(mechanism)
     elements = request.lumped_of(mechanism)
     if request.crank_acceleration:

@@ -9,9 +9,9 @@ import numpy as np
 
 from flexmech import choices
 from flexmech.analyses.aspects.shaking import checked_point
-from flexmech.analyses.crank_speeds import GREATEST, RAD_S, asked_speeds, in_unit, one_rad_per_s
+from flexmech.analyses.crank_speeds import RAD_S, asked_speeds, in_unit, one_rad_per_s
 from flexmech.arrays import FloatArray
-from flexmech.crank_values import MOST_MOVE_TIMES
+from flexmech.crank_values import GREATEST, MOST_MOVE_TIMES
 from flexmech.errors import InputError
 from flexmech.linkages import ConstantSpeed, Drive, MotorDrive, MotorRun
 from flexmech.linkages.drives.shaped import check_shapeable

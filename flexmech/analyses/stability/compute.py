@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_attributes, theory_lines
-from flexmech.analyses.crank_speeds import STABILITY, asked_speeds
+from flexmech.analyses.crank_speeds import asked_speeds
 from flexmech.analyses.damping_ratios import CountedLoss, with_damping_ratio
 from flexmech.analyses.datasets import table_of
 from flexmech.analyses.requests import Engines, engines_of
@@ -39,6 +39,7 @@ from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.summary import Summary, Table, left_out_attributes, warnings_of
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, Prestress, ShaftChoice
+from flexmech.crank_values import STABILITY
 from flexmech.errors import ComputationError, InputError
 from flexmech.interruption import tidying
 from flexmech.linkages import ConstantSpeed, refuse_passing

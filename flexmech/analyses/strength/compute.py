@@ -18,7 +18,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.datasets import filled, origin, padded
 from flexmech.analyses.digits import percent
-from flexmech.analyses.requests import Engines, engines_of
+from flexmech.analyses.requests import Engines, asked_engines, asks, engines_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.schema import Values, schema_of
 from flexmech.analyses.strength.joint_loads import InternalForces, LoadsAtAngles, LoadsOfTurn
@@ -215,13 +215,8 @@ RIGID = "rigid"
 """In place of an engine: the links are taken as rigid."""
 
 
-def strength(
-    engines: Engines,
-    speed: StrengthRequest | float | None = None,
-    *,
-    speed_unit: str | None = None,
-    progress: LabelledProgress | None = None,
-) -> Strength:
+@asks(StrengthRequest)
+def strength(mechanism: Engines, request: StrengthRequest) -> Strength:
     """Where links and pins would break, how, and by what factor loads and speed may rise.
 
     The loads are the internal and joint forces of links that bend at rest in their frames, that
@@ -230,16 +225,9 @@ def strength(
 
     Parameters
     ----------
-    engines : Engine, Mechanism or sequence of them
+    mechanism : Mechanism, Engine or sequence of them
         All of one mechanism, dry and at its reference temperature. Loads of rigid links are those
         of the mechanism alone, whatever the engines.
-    speed : float or StrengthRequest, optional
-        Crank speed in ``speed_unit``, over a turn in steps of five degrees, or all that can be
-        asked for. Left out: the greatest speed at which the mechanism operates.
-    speed_unit : str, optional
-        Unit of the speed, such as ``"rpm"``.
-    progress : callable, optional
-        Called with a label, the steps done and the steps to do, where engines compute.
 
     Returns
     -------
@@ -262,15 +250,9 @@ def strength(
     >>> float(found.dataset["margin_speed_factor"][0].round(1))  # at rho (omega L)^2 / 2 = 240 MPa
     8.4
     """
-    first = engines[0] if isinstance(engines, Sequence) and engines else engines
-    own = first.mechanism if isinstance(first, Engine) else first
-    dry = checked_mechanism(own)
-    if not isinstance(speed, StrengthRequest):
-        request = StrengthRequest(crank_speed=speed, speed_unit=speed_unit)
-    elif speed_unit is not None:
-        raise InputError("speed_unit: the request has its own; give it there")
-    else:
-        request = speed
+    first = mechanism[0] if isinstance(mechanism, Sequence) and mechanism else mechanism
+    dry = checked_mechanism(first.mechanism if isinstance(first, Engine) else first)
+    engines = asked_engines(mechanism, request, request.elements)
     judged = JudgedMechanism.of(dry, request)
     wet, turning = judged.mechanism, request.speed_of(dry)
     rigid = all(link.rigid for link in wet.linkage.topology.links)
@@ -279,7 +261,7 @@ def strength(
         dataset, attributes = _of_rigid_links(judged, request.crank_angles, turning)
     else:
         dataset, attributes = _by_engines(
-            judged, engines_of(engines), request, turning, progress or silent
+            judged, engines_of(engines), request, turning, request.progress or silent
         )
     if source == "quasi-static":
         straight, judged_at = _of_rigid_links(judged, request.crank_angles, turning)
