@@ -155,7 +155,6 @@ IMPACT = Typed("--impact", _by_its_room("place"))
 RESPONSE = Typed("--response", _by_its_room("place"))
 REVOLUTIONS = Typed("--revolutions", crank.parse_revolutions)
 SHAPED_MODES = Typed("--shaped-modes", parse_modes)
-MOVE_TIMES = Typed("--move-times", crank.parse_move_times)
 CRANK_ACCELERATION = _quantity("--crank-acceleration", units.ANGULAR_ACCELERATION, "rad/s^2")
 STEPS = _or_auto(Typed("--steps", _whole), "; write a multiple of 16, such as 256")
 _STEP_REFUSED = f"got {{!r}}, which is not positive; write a time, for example {units.TIME.example}"

@@ -659,6 +659,12 @@ def plot_residual(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
+    picture = residual_picture(dataset)
+    return draw(picture, scales.time_layout(len(picture.panes)), ax=ax)
+
+
+def residual_picture(dataset: xr.Dataset) -> Picture:
+    """Deflections after the stop and their envelopes, as of plot_residual."""
     after = dataset.sel(time=dataset["time"] >= float(dataset.attrs["run_up_time"]))
     time, panes = after["time"].values, []
     for link in reading.bending_links(dataset):
@@ -673,8 +679,7 @@ def plot_residual(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         curves = (*by_engine(own["deflection"], dataset), *edges)
         panes.append(Pane(what, curves, reading.LENGTH_UNITS, spans=(ZERO,)))
     title = f"Vibration after the stop\n{reading.run_title(dataset)}"
-    picture = Picture(panes, "Time (s)", dataset, title, places=time)
-    return draw(picture, scales.time_layout(len(panes)), ax=ax)
+    return Picture(panes, "Time (s)", dataset, title, places=time)
 
 
 def plot_motor(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:

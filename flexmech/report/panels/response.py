@@ -11,16 +11,16 @@ import xarray as xr
 from flexmech.analyses import Kinematics, Response, Table
 from flexmech.analyses.digits import decimals_of, with_error
 from flexmech.arrays import FloatArray
-from flexmech.plots.kinematics import motor_picture
+from flexmech.plots.kinematics import motor_picture, residual_picture
 from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import STARTS, bending_links, names_of
 from flexmech.plots.response import (
     forces_picture,
     frame_picture,
-    move_picture,
     over_time,
     response_picture,
     shaft_panes,
+    shaped_picture,
 )
 from flexmech.plots.spectra import spectrum_picture
 from flexmech.report.panel import Panel, Plot, Reading, further_lines, panel_of, plotted
@@ -209,21 +209,21 @@ def motor_panel(results: Results) -> Panel | None:
 
 
 def residual_panel(results: Results) -> Panel | None:
-    """Amplitude of each mode after the stop over the time until it, of every run that has it."""
-    runs = [run for run in results.of_kind(Response) if "move_amplitude" in run.dataset]
+    """What rings after the stop in every run that rests, and the shaped run beside it."""
+    runs = [run for run in results.of_kind(Response) if "residual_envelope" in run.dataset]
     if not runs:
         return None
-    plots = tuple(
-        plotted(
-            f"residual-{number}" if number > 1 else "residual",
-            move_picture(run.dataset),
-            str(run.dataset.attrs.get("drive", "")),
-        )
-        for number, run in enumerate(runs, 1)
-    )
+    plots = []
+    for number, run in enumerate(runs, 1):
+        place, law = f"-{number}" if number > 1 else "", str(run.dataset.attrs.get("drive", ""))
+        plots.append(plotted(f"residual{place}", residual_picture(run.dataset), law))
+        if "shaped_deflection" in run.dataset:
+            plots.append(plotted(f"shaped{place}", shaped_picture(run.dataset), law))
     answer = tuple(
         line for run in runs for line in run.summary().answer if "After the stop" in line
     )
     shapers = {str(run.dataset.attrs.get("shaper", "")) for run in runs} - {""}
-    shaped = f", and by the law with the {' or '.join(sorted(shapers))}" if shapers else ""
-    return panel_of("residual", answer=answer, plots=plots, shaped=shaped)
+    shaped = ""
+    if shapers:
+        shaped = f" Below: the whole move, and that with the {' or '.join(sorted(shapers))}."
+    return panel_of("residual", answer=answer, plots=tuple(plots), shaped=shaped)
