@@ -21,7 +21,6 @@ MOST_ANGLES = 100_000
 """More crank angles than this, every 0.004 deg of a turn, are taken for a slip of the keyboard."""
 MOST_SPEEDS = 10_000
 """And more crank speeds than this: at a tenth of a second each they take a quarter of an hour."""
-MOST_MOVE_TIMES = 1000
 """And more times of a move than this, each of which is a run."""
 MOST_DEGREES = 2880
 """Eight turns: positions repeat every turn."""
@@ -224,30 +223,6 @@ def parse_revolutions(text: str) -> float:
             "4 or 0.5 (a negative --speed turns backwards)"
         )
     return revolutions
-
-
-def parse_move_times(text: str) -> tuple[float, ...]:
-    """Read times of a move from a comma list or START:STOP:STEP.
-
-    Parameters
-    ----------
-    text : str
-        With one unit at the end, such as ``"0.1:0.3:0.01 s"``; s if there is none.
-
-    Returns
-    -------
-    tuple of float
-        In s.
-
-    Raises
-    ------
-    InputError
-        If it is neither, or a time is not positive.
-    """
-    times = parse_quantities(text, units.TIME, "s", most=MOST_MOVE_TIMES).values
-    if min(times) <= 0:
-        raise InputError(f"got {text!r}, in which a time is not positive; start above 0 s")
-    return times
 
 
 def parse_crank_speeds(text: str) -> Quantities:

@@ -22,7 +22,8 @@ import xarray as xr
 from _common import four_bar, output_folder, save_pictures
 from matplotlib.figure import Figure
 
-from flexmech import LawDrive, ReferenceEngine, ResponseRequest, Shaping, plots, response
+from flexmech import LawDrive, ReferenceEngine, ResponseRequest, Shaping, plots
+from flexmech.analyses import LawShaper, amplitudes_after_stop
 from flexmech.arrays import FloatArray
 
 LAW = LawDrive("trapezoid", np.radians(60), time=0.2, dwell=0.05)
@@ -52,21 +53,26 @@ def main(out: Path, *, times: FloatArray = TIMES, elements: int = 8) -> xr.DataA
         most; ``whole_time`` until the stop in s.
     """
     engine = ReferenceEngine(four_bar("steel"), elements)
-    parts = []
-    for frequencies in ("end", "path"):
-        shaping = Shaping("zv", modes=(1,), frequencies=frequencies)  # type: ignore[arg-type]
-        asked = {"samples": 400, "modes": 2, "shaping": shaping, "move_times": tuple(times)}
-        request = ResponseRequest(LAW, **asked)  # type: ignore[arg-type]
-        data = response(engine, request).dataset
-        found = data["move_amplitude"].sel(mode=1, drop=True).max("link")
-        found = found.assign_coords(whole_time=data["whole_move_time"])
-        parts.append(found.assign_coords(law=["plain", frequencies]))
-    amplitudes = xr.concat([parts[0], parts[1].isel(law=[1])], "law")
+    end, path = (
+        LawShaper.of(engine, ResponseRequest(LAW, modes=2), Shaping("zv", frequencies=which), (1,))
+        for which in ("end", "path")
+    )
+    plain = [LAW.stretched(float(time) / LAW.time) for time in times]
+    laws = [plain, *([shaper.shaped(law) for law in plain] for shaper in (end, path))]
+    amplitudes = xr.DataArray(
+        [[amplitudes_after_stop(engine, law, 2)[:, 0].max() for law in row] for row in laws],
+        dims=("law", "move_time"),
+        coords={
+            "law": list(LOOKS),
+            "move_time": times,
+            "whole_time": (("law", "move_time"), [[law.law_time for law in row] for row in laws]),
+        },
+    )
     stated = amplitudes.sel(move_time=STATED, method="nearest")
-    plain = float(stated.sel(law="plain"))
-    print(f"a move in {STATED:g} s: the first mode rings by {1e3 * plain:.4f} mm")
+    whole = float(stated.sel(law="plain"))
+    print(f"a move in {STATED:g} s: the first mode rings by {1e3 * whole:.4f} mm")
     for law in ("end", "path"):
-        left = 100 * float(stated.sel(law=law)) / plain
+        left = 100 * float(stated.sel(law=law)) / whole
         longer = 1e3 * (float(stated["whole_time"].sel(law=law)) - STATED)
         print(f"  {LOOKS[law]} leaves {left:.2f} % of it, {longer:.1f} ms later")
     save_pictures({"residual": _draw(amplitudes)}, out)

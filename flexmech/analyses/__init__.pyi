@@ -31,7 +31,9 @@ from .moisture.compute import moisture_uptake as moisture_uptake
 from .response.measurements import deflections as deflections
 from .response.request import ResponseRequest as ResponseRequest
 from .response.request import Shaping as Shaping
+from .response.residual_vibration import amplitudes_after_stop as amplitudes_after_stop
 from .response.result import Response as Response
+from .response.shaping import LawShaper as LawShaper
 from .result import Result as Result
 from .stability.compute import StabilityMap as StabilityMap
 from .stability.request import StabilityRequest as StabilityRequest

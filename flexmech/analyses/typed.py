@@ -273,7 +273,6 @@ IMPACT = Typed("--impact", _by_its_room("place"))
 RESPONSE = Typed("--response", _by_its_room("place"))
 REVOLUTIONS = Typed("--revolutions", crank.parse_revolutions)
 SHAPED_MODES = Typed("--shaped-modes", parse_modes)
-MOVE_TIMES = Typed("--move-times", crank.parse_move_times)
 CRANK_ACCELERATION = _quantity(
     "--crank-acceleration",
     units.ANGULAR_ACCELERATION,

@@ -61,6 +61,9 @@ _MOVED = {
     "campbell --response": "peaks of the periodic motion over crank speed are those of flexmech "
     "sweep: vary crank-speed in a study file (flexmech new study FILE) whose output is "
     "peak_deflection",
+    "response --move-times": "residual vibration over the time of a move is that of flexmech "
+    "sweep: vary drive.time in a study file (flexmech new study FILE) whose output is "
+    "residual_amplitude",
 }
 """What commands and options that have left the program became."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Annotated, NamedTuple, cast
 
 from typer import Option
 
@@ -112,9 +112,8 @@ def asked_shaping(
     shaped_modes: Annotated[tuple[int, ...] | None, typed.SHAPED_MODES] = None,
     shaped_for: choices.ShapedFor = "end",
     tolerated: Annotated[float | None, typed.TOLERATED] = None,
-    move_times: Annotated[tuple[float, ...] | None, typed.MOVE_TIMES] = None,
-) -> dict[str, Any]:
-    """A shaper of the law of motion, and times of a move.
+) -> analyses.Shaping | None:
+    """A shaper of the law of motion.
 
     Options
     -------
@@ -127,9 +126,6 @@ def asked_shaping(
         Whose frequencies count: end, where the crank stops; path, along its path.
     tolerated : RATIO
         Of ei: what it leaves at the frequency, over the plain law; 5% if left out.
-    move_times : LIST
-        Times of a move over which the residual vibration is drawn, as in "0.1:0.3:0.01 s". Left
-        out: with a shaper from half the law's time to twice of it.
     """
     shaping = None
     if shaper is not None:
@@ -137,10 +133,10 @@ def asked_shaping(
             shaping = analyses.Shaping(shaper, shaped_modes, shaped_for, tolerated)
     elif shaped_modes is not None or shaped_for != "end" or tolerated is not None:
         raise InputError("--shaped-modes, --shaped-for, --tolerated need --shaper; add --shaper")
-    return {"shaping": shaping, "move_times": move_times}
+    return shaping
 
 
-AskedShaping = Annotated[dict[str, Any], Together(asked_shaping)]
+AskedShaping = Annotated["analyses.Shaping | None", Together(asked_shaping)]
 
 
 def response(
@@ -182,8 +178,8 @@ def response(
 
     mechanism = mechanism_of(model)
     request, speed = run.of(mechanism)
-    with naming("--shaper, --move-times"):
-        request = replace(request, **shaping, prestress=prestress)
+    with naming("--shaper"):
+        request = replace(request, shaping=shaping, prestress=prestress)
     alone = "animation: a GIF alone, for MP4 needs ffmpeg; install it and run again"
     deliver(
         analyses.Response,

@@ -47,7 +47,6 @@ from .reading import speed_label as speed_label
 from .reading import terms_text as terms_text
 from .response import plot_forces as plot_forces
 from .response import plot_frame_motion as plot_frame_motion
-from .response import plot_move_times as plot_move_times
 from .response import plot_response as plot_response
 from .response import plot_shaped as plot_shaped
 from .scales import crank_angle_axis as crank_angle_axis

@@ -12,10 +12,11 @@ from flexmech.analyses.frequencies.extremes import Extremes
 from flexmech.analyses.frequencies.positions import frequency_extremes
 from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.residual_vibration import amplitudes_after_stop
 from flexmech.arrays import FloatArray
-from flexmech.choices import Prestress
+from flexmech.choices import MODES, Prestress
 from flexmech.errors import InputError, suggestion
-from flexmech.linkages import InverseDynamics
+from flexmech.linkages import Drive, InverseDynamics
 from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 
@@ -62,6 +63,7 @@ class Design:
     _wanted: dict[FrequencyNeeds, ExtremesWanted] = field(default_factory=dict, repr=False)
     _maps: dict[FrequencyNeeds, Extremes] = field(default_factory=dict, repr=False)
     _runs: dict[float, object] = field(default_factory=dict, repr=False)
+    _after_stop: dict[int, FloatArray] = field(default_factory=dict, repr=False)
 
     @cached_property
     def mechanism(self) -> Mechanism:
@@ -148,11 +150,50 @@ class Design:
             self._runs[speed] = response(self.engine, request).peaks()
         peaks = self._runs[speed][name].isel(engine=0)  # type: ignore[index]
         if link is not None:
-            if link not in peaks["link"].values:
-                known = [str(each) for each in peaks["link"].values]
-                raise InputError(f"there is no link {link!r}; {suggestion(link, known)}")
-            peaks = peaks.sel(link=link)
+            peaks = peaks.isel(link=self._place(link))
         return float(abs(peaks).max())
+
+    def residual_amplitude(self, mode: int, link: str | None) -> float:
+        """Amplitude of a mode in the deflection after the stop, of a link or the greatest of all.
+
+        Parameters
+        ----------
+        mode : int
+            Of the linkage where its crank has stopped, counted from 1.
+        link : str or None
+
+        Returns
+        -------
+        float
+            In m.
+
+        Raises
+        ------
+        InputError
+            If there is no such link or mode, or the mechanism has no law of motion that stops.
+        """
+        drive = self.mechanism.drive
+        if not isinstance(drive, Drive):
+            raise InputError(
+                "residual_amplitude needs a law of motion that stops; state one in [drive], as "
+                'law = "cycloid" with travel and time'
+            )
+        modes = max(mode, MODES)
+        if modes not in self._after_stop:
+            self._after_stop[modes] = amplitudes_after_stop(self.engine, drive, modes)
+        found = self._after_stop[modes]
+        if mode > found.shape[1]:
+            most = found.shape[1]
+            raise InputError(f"mode {mode}: the linkage has {most} modes; take a lower one")
+        of_links = found[:, mode - 1]
+        return float(of_links.max() if link is None else of_links[self._place(link)])
+
+    def _place(self, link: str) -> int:
+        """Place of a link among those of the mechanism; refuses a name that is none."""
+        known = self.mechanism.linkage.topology.link_names
+        if link not in known:
+            raise InputError(f"there is no link {link!r}; {suggestion(link, list(known))}")
+        return known.index(link)
 
 
 def every_extreme(modes: int) -> ExtremesWanted:

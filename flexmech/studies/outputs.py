@@ -205,6 +205,7 @@ Quantity = Literal[
     "peak_deflection",
     "peak_strain",
     "peak_stress",
+    "residual_amplitude",
     "strain_energy_damping",
     "largest_multiplier",
     "stable_speed_margin",
@@ -218,6 +219,7 @@ COSTLY = (
     "peak_deflection",
     "peak_strain",
     "peak_stress",
+    "residual_amplitude",
     "strain_energy_damping",
     "largest_multiplier",
     "stable_speed_margin",
@@ -258,12 +260,12 @@ class Output:
         Crank speed in rad/s; the design's own where the speed varies, else the greatest at which
         the mechanism operates, zero if it names none.
     mode : int
-        Of frequencies and damping; the lowest is 1.
+        Of frequencies, damping and residual vibration; the lowest is 1.
     orders : tuple of int
         Multiples of the crank speed that ``order_margin`` keeps away from.
     link, joint : str, optional
-        Where deflection, strain, stress and joint force are taken; the greatest of all if left
-        out.
+        Where deflection, strain, stress, residual vibration and joint force are taken; the
+        greatest of all if left out.
     prestress : {"none", "axial", "equilibrium"}
         Of frequencies.
     angles : int
@@ -369,6 +371,11 @@ def _peak(name: str) -> Callable[[Design, Output], float]:
     return lambda design, output: design.peak(name, output.speed_of(design), output.link)
 
 
+def _residual(design: Design, output: Output) -> float:
+    """Amplitude of a mode after the stop of the design's law of motion."""
+    return design.residual_amplitude(output.mode, output.link)
+
+
 def _lowest(design: Design, output: Output) -> float:
     return float(_frequencies(design, output).lowest_frequency[output.mode - 1])
 
@@ -449,6 +456,7 @@ KINDS: Mapping[str, Kind] = {
     "peak_deflection": Kind(LENGTH, "peak deflection", _peak("deflection")),
     "peak_strain": Kind(RATIO, "peak strain", _peak("strain")),
     "peak_stress": Kind(STRESS, "peak normal stress", _peak("stress")),
+    "residual_amplitude": Kind(LENGTH, "amplitude of a mode after the stop", _residual),
     "strain_energy_damping": Kind(RATIO, "least damping ratio by strain energy", _damping),
     "largest_multiplier": Kind(RATIO, "greatest Floquet multiplier", _multiplier),
     "stable_speed_margin": Kind(RATIO, "distance to the next unstable band", _stable_margin),

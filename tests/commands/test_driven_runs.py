@@ -1,4 +1,4 @@
-"""``flexmech response`` under a law, with a shaper, over times of a move, and under a motor."""
+"""``flexmech response`` under a law, with a shaper, and under a motor; what a move leaves."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ from flexmech import (
     motor_run,
     response,
 )
+from flexmech.analyses import amplitudes_after_stop
 from flexmech.modelfile import mechanism_from_toml
-from tests.support.command import Ended
+from tests.support.command import Ended, columns_of
 from tests.support.journeys import Journey, tells
 from tests.support.strategies import fourbar
 
@@ -45,9 +46,9 @@ def model(folder: Path, drive: object = LAW) -> Path:
 
 @pytest.fixture(scope="module")
 def journey(tmp_path_factory: pytest.TempPathFactory) -> Journey:
-    """A law beside its shaped form, and three times of a move."""
+    """A law beside its shaped form."""
     folder = tmp_path_factory.mktemp("law")
-    words = (*SMALL, "--shaper", "zv", "--shaped-modes", "1,2", "--move-times", "100,150,200 ms")
+    words = (*SMALL, "--shaper", "zv", "--shaped-modes", "1,2")
     return Journey(folder / "out", "response", model(folder), *words, "--no-plots")
 
 
@@ -66,7 +67,7 @@ def test_a_run_by_a_law_has_its_speed_power_and_rest(journey: Journey) -> None:
     rest = time >= LAW.law_time
     envelope = table["rocker_residual_envelope_m"]
     assert np.isnan(envelope[~rest]).all()
-    frequency = journey.table("residual_over_move_time")["frequency_Hz"].min()
+    frequency = float(data["standing_frequency"].min())
     window = round(1 / frequency / (time[1] - time[0]))
     bent = table["rocker_mid_deflection_m"][rest][:window]
     assert envelope[rest][0] == pytest.approx(np.ptp(bent) / 2, rel=0.05)
@@ -98,34 +99,45 @@ def test_a_shaped_run_is_a_run_by_the_shaped_law(journey: Journey) -> None:
     assert tells(journey.said["answer"][0], delay)
 
 
-@pytest.mark.thorough
-def test_residual_vibration_over_the_time_of_a_move_is_a_table(journey: Journey) -> None:
-    """At the time of the law it is that of the run."""
-    table, data = journey.table("residual_over_move_time"), journey.result().dataset
-    assert len(table["law"]) == 2 * 3 * len(set(table["mode"]))
-    chosen = (table["law"] == "shaped") & np.isclose(table["move_time_s"], 0.15)
-    whole = table["whole_time_s"][chosen]
-    assert whole == pytest.approx(0.15 + data.attrs["shaper_delay"])
-    at = data["move_amplitude"].sel(law="shaped", move_time=0.15, mode=1, link="coupler")
-    first = chosen & (table["mode"] == 1)
-    assert table["coupler_amplitude_m"][first] == pytest.approx(float(at), rel=1e-8)
+SWEEP = """
+model = "model.toml"
+[vary."drive.time"]
+values = ["100 ms", "150 ms"]
+[outputs]
+coupler = { quantity = "residual_amplitude", link = "coupler" }
+most = { quantity = "residual_amplitude", mode = 2 }
+"""
+
+
+def test_what_rings_over_the_time_of_a_move_is_an_output_of_sweep(tmp_path, command) -> None:  # type: ignore[no-untyped-def]
+    """By the state at the stop it is that of a run that goes on."""
+    drive = model(tmp_path)
+    (tmp_path / "study.toml").write_text(SWEEP)
+    out = tmp_path / "out"
+    ended: Ended = command("sweep", tmp_path / "study.toml", "--no-plots", "--out", out)
+    assert ended.exit_code == 0, ended.stderr
+    table = columns_of(out / "designs.csv")
+    run = response(
+        ReferenceEngine(flexmech.load_mechanism(drive), 8), ResponseRequest(samples=240, step=4e-4)
+    )
+    amplitude = run.dataset["modal_amplitude"].isel(engine=0)
+    coupler, most = float(amplitude.sel(mode=1, link="coupler")), float(amplitude.sel(mode=2).max())
+    assert table["coupler_m"][1] == pytest.approx(coupler, rel=5e-3)
+    assert table["most_m"][1] == pytest.approx(most, rel=5e-3)
 
 
 def test_a_law_without_a_dwell_shows_no_rest() -> None:
-    """Times of a move need neither shaper nor dwell."""
+    """What it leaves is known by the state at the stop alone."""
     law = LawDrive("cycloid", 1.0, 0.1)
-    asked = ResponseRequest(law, samples=100, step=5e-4, move_times=(0.2, 0.1), modes=2)
-    result = response(ReferenceEngine(fourbar(), 1), asked)
+    engine = ReferenceEngine(fourbar(), 1)
+    result = response(engine, ResponseRequest(law, samples=100, step=5e-4, modes=2))
     assert "residual_envelope" not in result.dataset
-    np.testing.assert_array_equal(result.dataset["move_time"], [0.1, 0.2])
-    assert list(result.dataset["law"].values) == ["plain"]
+    assert (amplitudes_after_stop(engine, law, 2).max(axis=0) > 0).all()
 
 
 def test_modes_that_ring_are_shaped_for_where_none_are_chosen() -> None:
     """Those by more than a tenth of what rings most."""
-    asked = ResponseRequest(
-        LAW, samples=120, step=8e-4, shaping=Shaping("zv"), modes=3, move_times=(0.15,)
-    )
+    asked = ResponseRequest(LAW, samples=120, step=8e-4, shaping=Shaping("zv"), modes=3)
     data = response(ReferenceEngine(fourbar(), 2), asked).dataset
     amplitude = data["modal_amplitude"].max("link").values[0]
     ringing = np.flatnonzero(amplitude > 0.1 * amplitude.max()) + 1
@@ -214,8 +226,7 @@ def test_a_drive_of_a_model_file_is_read_and_written(keys: str) -> None:
         ("--shaper zv --shaped-modes 0", "counted from 1"),
         ("--shaper ei --tolerated 2", "between 0 and 1"),
         ("--shaper zv --tolerated 2%", "belongs to the shaper ei"),
-        ("--move-times '0:1:0.1 s'", "positive"),
-        ("--move-times '1 kg'", "--move-times"),
+        ("--move-times '0:1:0.1 s'", "flexmech sweep: vary drive.time"),
         ("--run-up 0.1", "run-up"),
         ("--start periodic", "constant crank speed"),
     ],
@@ -231,8 +242,6 @@ def test_what_does_not_go_with_a_law_is_refused(words: str, remedy: str, tmp_pat
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        ({"speed": LAW, "move_times": (0.1, -1.0)}, "time of a move must be positive"),
-        ({"speed": LAW, "move_times": ()}, "give one to"),
         ({"speed": LAW, "shaping": "zv"}, "give a flexmech.Shaping"),
         ({"speed": LawDrive("cycloid", 1.0, 0.1), "shaping": Shaping("zv")}, "give a dwell"),
     ],

@@ -200,13 +200,6 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(1, "Motor torque (N m)", lambda d: d["motor_torque"]),
         Row(3, "Motor current (A)", lambda d: d["motor_current"]),
     ],
-    plots.plot_move_times: [
-        Row(
-            0,
-            "Coupler middle mode 1 (mm)",
-            lambda d: 1e3 * d["move_amplitude"].sel(mode=1, link="coupler"),
-        ),
-    ],
     plots.plot_residual: [
         Row(
             1,

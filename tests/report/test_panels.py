@@ -104,10 +104,16 @@ SHOWN: dict[Callable[[], flexmech.Result], list[Shown]] = {
     results.response_to_a_law: [
         Shown(
             "residual",
-            "Coupler middle<br>mode 1 (mm)",
+            "Coupler middle<br>deflection (mm)",
+            "reference",
+            lambda d: 1e3 * d["deflection"][0].sel(link="coupler")[d["time"] >= results.LAW.time],
+        ),
+        Shown(
+            "shaped",
+            "Coupler middle<br>deflection (mm)",
             "ZV shaper",
-            lambda d: 1e3 * d["move_amplitude"].sel(law="shaped", mode=1, link="coupler"),
-        )
+            lambda d: 1e3 * d["shaped_deflection"][0].sel(link="coupler"),
+        ),
     ],
     results.response_under_a_motor: [
         Shown("motor", "Motor<br>current (A)", "reference", lambda d: d["motor_current"][0]),

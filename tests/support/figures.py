@@ -54,7 +54,6 @@ FIGURES: dict[Plot, tuple[Callable[[], object], int]] = {
     plots.plot_mode_shapes: (results.frequencies, 4),
     plots.plot_moisture: (results.moisture, 2),
     plots.plot_motor: (results.response_under_a_motor, 4),
-    plots.plot_move_times: (results.response_to_a_law, 3),
     plots.plot_nyquist: (results.hammer, 2),
     plots.plot_pareto: (results.optimum, 1),
     plots.plot_residual: (results.response_to_a_law, 3),

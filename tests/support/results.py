@@ -108,7 +108,6 @@ def response_to_a_law() -> flexmech.Response:
         samples=120,
         step=5e-4,
         shaping=flexmech.Shaping("zv", modes=(1, 2)),
-        move_times=(0.12, 0.15),
     )
     return flexmech.response(reference(1e-5), request)
 

@@ -31,7 +31,7 @@ from flexmech.analyses.response.plan import STEPS_PER_PERIOD, engines_in_state, 
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.run import mesh_error, run_engine
-from flexmech.analyses.response.shaped_run import check_stops, with_shaped_law
+from flexmech.analyses.response.shaping import check_stops, with_shaped_law
 from flexmech.analyses.response.start import simulation_start
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import Integrator
@@ -223,8 +223,7 @@ def response(
     Engines that simulate (Exudyn) run the nonlinear motion; the others the equations of
     motion in link frames. Joint forces and torque are those up to half the lowest frequency
     at which the links vibrate along themselves. Each run is repeated with another time step.
-    With a shaper a law that stops is run shaped as well, and what rings after both is told over
-    the time of the move.
+    With a shaper a law that stops is run shaped as well.
 
     Parameters
     ----------
@@ -284,7 +283,7 @@ def response(
         dataset = build_dataset(runs, request, plan)
         if check_mesh:
             add_mesh_errors(dataset, [mesh_error(run, request, plan, report) for run in runs])
-        dataset = with_shaped_law(dataset, chosen, request, plan, report)
+        dataset = with_shaped_law(dataset, chosen, request, report)
     if plan.note:
         dataset.attrs["prediction_note"] = plan.note
     dataset.attrs["environment_lines"] = "\n".join(lines)

@@ -15,7 +15,6 @@ from flexmech.analyses.response.driven import (
     driven_values,
     law_of_run,
     motor_of_run,
-    residual_values,
     spectra_from,
 )
 from flexmech.analyses.response.measurements import (
@@ -28,6 +27,7 @@ from flexmech.analyses.response.measurements import (
 )
 from flexmech.analyses.response.plan import SPECTRUM_REACH, RunPlan, oscillating, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.residual_vibration import residual_values
 from flexmech.analyses.response.run import EngineRun, RunError
 from flexmech.analyses.response.shaking import rigid_shaking, running_shaking
 from flexmech.analyses.response.sprung_frame import carried_by_frame, frame_values

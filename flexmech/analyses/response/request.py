@@ -11,7 +11,7 @@ from flexmech import choices
 from flexmech.analyses.aspects.shaking import checked_point
 from flexmech.analyses.crank_speeds import RAD_S, asked_speeds, in_unit, one_rad_per_s
 from flexmech.arrays import FloatArray
-from flexmech.crank_values import GREATEST, MOST_MOVE_TIMES
+from flexmech.crank_values import GREATEST
 from flexmech.errors import InputError
 from flexmech.linkages import ConstantSpeed, Drive, MotorDrive, MotorRun
 from flexmech.linkages.drives.shaped import check_shapeable
@@ -33,8 +33,8 @@ NO_PERIODIC_START = (
     "free one keeps no mean speed; choose start rigid or equilibrium"
 )
 FREE_SHAFT_GOES_ON = (
-    "a shaper and times of a move need a shaft that stops with its law, and a free one turns on; "
-    "choose shaft prescribed"
+    "a shaper needs a shaft that stops with its law, and a free one turns on; choose shaft "
+    "prescribed"
 )
 
 
@@ -138,9 +138,6 @@ class ResponseRequest:
         About which the shaking moment is taken, in ground axes in m; the shaft's axis if left out.
     shaping : Shaping, optional
         An input shaper for a law that stops, whose run is told beside that of the plain law.
-    move_times : tuple of float, optional
-        Times of a move in s over which the residual vibration is told. Left out: with a shaper from
-        half the law's time to twice of it, else none.
 
     Raises
     ------
@@ -168,7 +165,6 @@ class ResponseRequest:
     run_up_time: float = field(default=0.0, repr=False)
     moment_point: tuple[float, float] | None = field(default=None, repr=False)
     shaping: Shaping | None = field(default=None, repr=False)
-    move_times: tuple[float, ...] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "moment_point", checked_point(self.moment_point))
@@ -197,7 +193,7 @@ class ResponseRequest:
             )
         if self.step is not None:
             check_number(self.step, "step", "s", POSITIVE)
-        self._check_moves()
+        self._check_shaping()
         if self.speed is not None and not isinstance(self.speed, MotorDrive):
             self._check_duration()
 
@@ -208,19 +204,11 @@ class ResponseRequest:
                 "speed in place of the motor"
             )
 
-    def _check_moves(self) -> None:
-        """Refuse a shaper or times of a move for what does not stop."""
-        if self.shaping is not None:
-            check_instance(self.shaping, Shaping, "shaping", "give a flexmech.Shaping")
-        if self.move_times is not None:
-            if not 1 <= len(self.move_times) <= MOST_MOVE_TIMES:
-                raise InputError(
-                    f"got {len(self.move_times)} times of a move; give one to {MOST_MOVE_TIMES}"
-                )
-            for time in self.move_times:
-                check_number(time, "time of a move", "s", POSITIVE)
-        if self.shaping is None and self.move_times is None:
+    def _check_shaping(self) -> None:
+        """Refuse a shaper for what does not stop."""
+        if self.shaping is None:
             return
+        check_instance(self.shaping, Shaping, "shaping", "give a flexmech.Shaping")
         if self.shaft == "free" or isinstance(self.speed, MotorDrive | MotorRun):
             raise InputError(FREE_SHAFT_GOES_ON)
         if self.speed is not None:

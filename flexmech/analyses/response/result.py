@@ -24,9 +24,9 @@ from flexmech.analyses.response.agreement import (
     within_errors,
 )
 from flexmech.analyses.response.dataset import needed
-from flexmech.analyses.response.driven import residual_aspect
+from flexmech.analyses.response.residual_vibration import residual_aspect
 from flexmech.analyses.response.shaking import shaking_aspect
-from flexmech.analyses.response.shaped_words import amplitudes_over_move_time, shaped_aspect
+from flexmech.analyses.response.shaping import shaped_aspect
 from flexmech.analyses.response.sprung_frame import frame_aspect
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Aspect, Summary, drive_words, warnings_of
@@ -206,13 +206,12 @@ class Response(Result):
         pinned, clamped = (data.sel(link=data["probe"] == at) for at in ("middle", "tip"))
         force = data["joint_force"].sel(joint=self.pins).stack(pin=("joint", "component"))
         names = [f"{joint}_{axis}" for joint, axis in force["pin"].values]
-        found = data.assign(
+        return data.assign(
             deflection_in_middle=_renamed(pinned["deflection"], "pinned"),
             deflection_of_tip=_renamed(clamped["deflection"], "clamped"),
             strain_in_middle=_renamed(pinned["strain"], "pinned"),
             force_of_pin=force.drop_vars(["pin", "joint", "component"]).assign_coords(pin=names),
         )
-        return found.merge(amplitudes_over_move_time(data)) if "move_amplitude" in data else found
 
     @property
     def pins(self) -> list[str]:

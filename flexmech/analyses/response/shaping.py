@@ -1,17 +1,23 @@
-"""The shaped law of a run: for which modes, at what frequencies and with what damping."""
+"""A shaped law of motion: the modes it is for, its run beside the plain one, and what it leaves."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.response.plan import undamped, vibrating_engine
-from flexmech.analyses.response.request import ResponseRequest, Shaping
-from flexmech.analyses.response.residual_vibration import rests
-from flexmech.arrays import FloatArray
+from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.response.agreement import best_known, errors_of, quantities_of
+from flexmech.analyses.response.dataset import build_dataset
+from flexmech.analyses.response.plan import planned, undamped, vibrating_engine
+from flexmech.analyses.response.request import FREE_SHAFT_GOES_ON, ResponseRequest, Shaping
+from flexmech.analyses.response.residual_vibration import residual_numbers, rests
+from flexmech.analyses.response.run import run_engine
+from flexmech.analyses.summary import Aspect
+from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import InputError
 from flexmech.linkages import (
     Drive,
@@ -22,9 +28,11 @@ from flexmech.linkages import (
     input_shaper,
 )
 from flexmech.mechanics import Engine
+from flexmech.model_text import quantity
 from flexmech.solvers.eigenproblem import solve_modes
 from flexmech.solvers.formulation import Formulation, Systems
 from flexmech.solvers.tracking import Tracker
+from flexmech.units import TIME
 
 # A mode that rings by less than this part of what rings most is left as it is: each mode that a law
 # is shaped for makes it longer.
@@ -34,17 +42,22 @@ RINGING = 0.1
 _POSITIONS, _SPARE_MODES = 73, 2
 
 
-def check_rest(request: ResponseRequest) -> None:
-    """Refuse a shaper where the rest is too short to see what rings.
+def check_stops(engines: Sequence[Engine], request: ResponseRequest) -> None:
+    """Refuse a shaper where the crank turns on, or the rest is too short to see what rings.
 
     Parameters
     ----------
+    engines : sequence of Engine
     request : ResponseRequest
 
     Raises
     ------
     InputError
     """
+    if request.shaping is None:
+        return
+    if any(engine.shaft == "free" for engine in engines):
+        raise InputError(FREE_SHAFT_GOES_ON)
     if not rests(request):
         raise InputError(
             "a shaper is judged by what rings after the stop, and the run ends with the law; give "
@@ -81,7 +94,7 @@ def ringing_modes(run: xr.Dataset) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class LawShaper:
-    """What shapes a law, and laws of other times, for the modes of a linkage where it stops.
+    """What shapes a law for the modes of a linkage where it stops.
 
     Parameters
     ----------
@@ -254,4 +267,198 @@ def shaper_variables(law: LawShaper) -> xr.Dataset:
             "impulse_weight": ("impulse", weights),
             "impulse_mode": ("impulse", mode),
         }
+    )
+
+
+# Of the shaped run what is told beside the plain one.
+_KEPT = (
+    "deflection",
+    "driving_torque",
+    "driving_power",
+    "crank_angle",
+    "crank_speed_over_time",
+    "crank_acceleration",
+    "residual_envelope",
+    "residual_amplitude",
+    "residual_amplitude_at_end",
+    "modal_amplitude",
+    "peak_deflection",
+    "peak_driving_torque",
+    "peak_driving_power",
+    "energy_error",
+)
+
+
+def with_shaped_law(
+    plain: xr.Dataset,
+    engines: Sequence[Engine],
+    request: ResponseRequest,
+    report: LabelledProgress,
+) -> xr.Dataset:
+    """Add the run by the shaped law beside that by the plain one.
+
+    Parameters
+    ----------
+    plain : xarray.Dataset
+        Of the run by the plain law.
+    engines : sequence of Engine
+        The first one's modes are those that the law is shaped for.
+    request : ResponseRequest
+    report : callable
+        Progress: called with a label, the steps done and the steps to do.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same without a shaper.
+
+    Raises
+    ------
+    InputError
+        If no mode is seen to ring, or the linkage lacks one that is asked for.
+    ComputationError
+        If a run fails.
+    """
+    shaping = request.shaping
+    if shaping is None:
+        return plain
+    shaper = LawShaper.of(engines[0], request, shaping, shaping.modes or ringing_modes(plain))
+    drive = shaper.shaped(request.drive)
+    own = replace(request, speed=drive, shaping=None)
+    plan = planned(engines, own)
+
+    def told(label: str, done: int, total: int) -> None:
+        report(f"{label}, shaped", done, total)
+
+    runs = [run_engine(engine, own, plan, told) for engine in engines]
+    beside = _beside(build_dataset(runs, own, plan))
+    found = xr.merge([plain, beside, shaper_variables(shaper)], compat="override")
+    return found.assign_attrs(shaper_attributes(shaper, shaping, drive))
+
+
+def _beside(shaped: xr.Dataset) -> xr.Dataset:
+    """What is told of the shaped run, under names and a time of its own."""
+    kept = shaped.reset_coords()[[*_KEPT]]
+    kept["residual_error"] = errors_of(shaped)["deflection"] * shaped["peak_deflection"]
+    renamed = {str(name): f"shaped_{name}" for name in kept.data_vars}
+    return kept.rename(renamed | {"time": "shaped_time"}).drop_attrs()
+
+
+_MM, _MS = 1e3, 1e3
+_NAME = "shaped_residual_amplitude"
+
+
+def shaped_aspect(data: xr.Dataset) -> Aspect:
+    """What a shaper leaves of the residual vibration.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    Aspect
+        Nothing of a run without a shaper.
+    """
+    if _NAME not in data:
+        return Aspect()
+    numbers = _numbers(data)
+    return Aspect(_answer(data, numbers), tuple(_lines(data)), numbers=numbers, leads=True)
+
+
+def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Residual amplitude of each link after the shaped law, and by how much it is longer."""
+    errors = data["shaped_residual_error"]
+    place, bent = best_known(errors), {"link": data["peak_deflection"].max("engine") > 0}
+    found = [Quantity("shaper_delay", _MS * float(data.attrs["shaper_delay"]), "ms", 0.0)]
+    for name in (_NAME, f"{_NAME}_at_end"):
+        found += quantities_of(data[name][bent], errors[bent], place, name, "mm", _MM)
+    return tuple(found)
+
+
+def _answer(data: xr.Dataset, numbers: tuple[Quantity, ...]) -> tuple[str, ...]:
+    """How far the link that rings most does after both laws, and by how much one is longer."""
+    found = [one for one in numbers if one.name == _NAME]
+    plain = [one for one in residual_numbers(data) if one.name == "residual_amplitude"]
+    before = max(plain, key=lambda one: one.value)
+    after = next(one for one in found if one.of == before.of)
+    most = max(found, key=lambda one: one.value)
+    other = f" (the {most.of} by {most})" if most.of != after.of else ""
+    delay = _MS * float(data.attrs["shaper_delay"])
+    modes = str(data.attrs["shaped_modes"]).split(",")
+    for_modes = f"mode{'s' if len(modes) > 1 else ''} {' and '.join(modes)}"
+    return (
+        f"After the stop the {before.of} rings by {before}; with the {data.attrs['shaper']} "
+        f"for {for_modes} by {after}{other}; the move takes {rounded(delay, 0.0, 3)} ms longer.",
+    )
+
+
+def _lines(data: xr.Dataset) -> list[str]:
+    """The shaper, how to state it in a model file, and what the shaped law does."""
+    lines = [f"{data.attrs['shaper']} for {data.attrs['shaper_modes']}", _impulses(data)]
+    for name in map(str, data["engine"].values):
+        own = data.sel(engine=name)
+        lines += [_residual_line(own, name), _modes_line(own, name), _peaks_line(own, name)]
+    return lines
+
+
+def _impulses(data: xr.Dataset) -> str:
+    """Impulses as a model file has them; along a path phases."""
+    weights = data["impulse_weight"].values
+    if "impulse_time" in data:
+        rows = ", ".join(
+            f'["{quantity(float(time), TIME)}", {float(weight)!r}]'
+            for time, weight in zip(data["impulse_time"].values, weights, strict=True)
+        )
+        return f"in [drive] of a model file: impulses = [{rows}]"
+    parts = ", ".join(
+        f"{weight:.4g} at {phase:.4g} of mode {mode}"
+        for phase, weight, mode in zip(
+            data["impulse_phase"].values, weights, data["impulse_mode"].values, strict=True
+        )
+    )
+    return f"shaper: impulses over the phase along the path, in periods: {parts}"
+
+
+def _bent(data: xr.Dataset) -> list[str]:
+    """Links that bend."""
+    return [str(name) for name in data["link"].values[data["peak_deflection"].values > 0]]
+
+
+def _residual_line(data: xr.Dataset, engine: str) -> str:
+    parts = []
+    for link in _bent(data):
+        ends = (data[name].sel(link=link) for name in (_NAME, f"{_NAME}_at_end"))
+        first, last = (rounded(_MM * float(one), 0.0, 4) for one in ends)
+        parts.append(f"{link} {first} to {last}")
+    return f"residual vibration with the shaper: {', '.join(parts)} mm ({engine})"
+
+
+def _modes_line(data: xr.Dataset, engine: str) -> str:
+    parts = []
+    for mode in data["mode"].values:
+        one, before = (
+            data[name].sel(mode=mode).max("link")
+            for name in ("shaped_modal_amplitude", "modal_amplitude")
+        )
+        if float(before) > 0:
+            frequency = float(data["standing_frequency"].sel(mode=mode))
+            share = 100 * float(one) / float(before)
+            parts.append(f"{frequency:.5g} Hz {rounded(share, 0.0, 3)} %")
+    return f"the shaper leaves of each mode: {', '.join(parts)} of the plain law's ({engine})"
+
+
+def _peaks_line(data: xr.Dataset, engine: str) -> str:
+    bent = ", ".join(
+        f"{link} {rounded(_MM * float(data['shaped_peak_deflection'].sel(link=link)), 0.0, 4)}"
+        for link in _bent(data)
+    )
+    torque, power, error = (
+        float(data[f"shaped_{name}"])
+        for name in ("peak_driving_torque", "peak_driving_power", "energy_error")
+    )
+    return (
+        f"run with the shaper: deflections up to {bent} mm, torque {torque:.4g} N m, power "
+        f"{power:.4g} W; its energy balance is off by at most {error:.2g} ({engine})"
     )

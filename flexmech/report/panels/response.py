@@ -209,21 +209,21 @@ def motor_panel(results: Results) -> Panel | None:
 
 
 def residual_panel(results: Results) -> Panel | None:
-    """Amplitude of each mode after the stop over the time until it, of every run that has it."""
-    runs = [run for run in results.of_kind(Response) if "move_amplitude" in run.dataset]
+    """What rings after the stop in every run that rests, and the shaped run beside it."""
+    runs = [run for run in results.of_kind(Response) if "residual_envelope" in run.dataset]
     if not runs:
         return None
-    shown = tuple(
-        plotted(
-            f"residual-{number}" if number > 1 else "residual",
-            plots.plot_move_times.picture(run.dataset),
-            str(run.dataset.attrs.get("drive", "")),
-        )
-        for number, run in enumerate(runs, 1)
-    )
+    shown = []
+    for number, run in enumerate(runs, 1):
+        place, law = f"-{number}" if number > 1 else "", str(run.dataset.attrs.get("drive", ""))
+        shown.append(plotted(f"residual{place}", plots.plot_residual.picture(run.dataset), law))
+        if "shaped_deflection" in run.dataset:
+            shown.append(plotted(f"shaped{place}", plots.plot_shaped.picture(run.dataset), law))
     answer = tuple(
         line for run in runs for line in run.summary().answer if "After the stop" in line
     )
     shapers = {str(run.dataset.attrs.get("shaper", "")) for run in runs} - {""}
-    shaped = f", and by the law with the {' or '.join(sorted(shapers))}" if shapers else ""
-    return panel_of("residual", answer=answer, plots=shown, shaped=shaped)
+    shaped = ""
+    if shapers:
+        shaped = f" Below: the whole move, and that with the {' or '.join(sorted(shapers))}."
+    return panel_of("residual", answer=answer, plots=tuple(shown), shaped=shaped)
