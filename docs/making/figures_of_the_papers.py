@@ -38,7 +38,7 @@ LIST_HEAD = """```{list-table}
   - ours
   - comparison"""
 ROWS = Path(__file__).with_suffix(".toml")
-STUDY = "elamy_2023"
+STUDY = "papers/elamy_2023"
 """Scenario that puts the claims of E to the test."""
 STUDY_CLAIMS = "composite_claims.csv"
 
@@ -132,11 +132,12 @@ def _listed(rows: list[Row], results: Results) -> str:
 
 def _picture(row: Row, path: str, results: Results) -> str:
     """A small picture that leads to the page of its scenario."""
-    name, _, picture = path.partition("/")
+    name, _, picture = path.rpartition("/")
     if not (results(name) / picture).is_file():
         raise RuntimeError(f"{row.paper}, {row.number}: {name} draws no {picture}")
     words = picture.removesuffix(".png").replace("_", " ")
-    return f"[![{row.paper}, {row.number}: {words}](gallery/{path})](gallery/{name}.md)"
+    page = name.removeprefix("papers/")
+    return f"[![{row.paper}, {row.number}: {words}](gallery/{page}/{picture})](gallery/{page}.md)"
 
 
 def _comparison(row: Row, results: Results) -> list[str]:

@@ -1,6 +1,6 @@
 """The gallery: every scenario with what it prints and draws, and its numbers held.
 
-Each runs by its ``main``, on coarser settings where it takes minutes; what it found is held against
+Each runs in a folder, on coarser settings where it takes minutes; what it found is held against
 ``scenarios/expected_numbers.toml``. A campaign takes so long that a build runs it only when asked:
 its page shows what it gave last, which stands in ``docs/kept/``.
 """
@@ -14,12 +14,13 @@ import os
 import shutil
 import subprocess
 import sys
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from making.scenario_numbers import COARSER, KEPT, NUMBERS
+import numpy as np
+
+from making.scenario_numbers import KEPT, SCENARIOS, expected_numbers
 from making.state import REPOSITORY, cache_folder, environment
 
 __all__ = [
@@ -31,13 +32,11 @@ __all__ = [
     "scenario_results",
 ]
 
-SCENARIOS = REPOSITORY / "scenarios"
-SETTINGS = Path(__file__).with_name("scenario_numbers.py")
 PRINTED = "printed.txt"
 CAMPAIGNS = {
-    "best_stacking_under_scatter": "two minutes of processor time",
-    "least_mass_fourbar": "two minutes of processor time",
-    "lightest_stable_fourbar": "six minutes of processor time",
+    "20_lightest_stable_fourbar": "six minutes of processor time",
+    "21_least_mass_fourbar": "two minutes of processor time",
+    "papers/elamy_best_stacking": "two minutes of processor time",
 }
 """Scenarios that a build does not run, and what they take."""
 LAST = REPOSITORY / "docs" / "kept"
@@ -62,6 +61,11 @@ class Scenario:
     text: str
     expected: dict[str, Any]
 
+    @property
+    def page(self) -> str:
+        """Name of its page, and of the folder of its pictures."""
+        return Path(self.name).name
+
 
 def gallery_pages(folder: Path) -> dict[str, str]:
     """Put the pictures of the scenarios into a folder; Markdown by the name of the page."""
@@ -69,42 +73,40 @@ def gallery_pages(folder: Path) -> dict[str, str]:
     results = [scenario_results(scenario.name) for scenario in scenarios]
     pages = {"gallery/index.md": _index(scenarios)}
     for scenario, result in zip(scenarios, results, strict=True):
-        shutil.copytree(result, folder / scenario.name, dirs_exist_ok=True)
-        pages[f"gallery/{scenario.name}.md"] = _page(scenario, result)
+        shutil.copytree(result, folder / scenario.page, dirs_exist_ok=True)
+        pages[f"gallery/{scenario.page}.md"] = _page(scenario, result)
     return pages
 
 
 def scenario_names() -> list[str]:
-    """Names of the scenarios, in the order of the gallery.
+    """Scripts by their place in ``scenarios`` without the ending, in the order of the gallery.
 
     Raises
     ------
     RuntimeError
-        If a script has no expected number, or nothing takes its numbers.
+        If a script that asks a question has no expected numbers, or numbers have no script.
     """
-    names = list(_expected_numbers())
-    for other in (NUMBERS, _scripts()):
-        if odd := set(names) ^ set(other):
-            raise RuntimeError(f"scenarios without a script, numbers or expected ones: {odd}")
+    names = list(expected_numbers())
+    asking = {
+        path.relative_to(SCENARIOS).with_suffix("").as_posix()
+        for path in SCENARIOS.rglob("*.py")
+        if _docstring(path).partition("\n")[0].endswith("?")
+    }
+    if odd := set(names) ^ asking:
+        raise RuntimeError(f"scenarios without a script or without expected numbers: {odd}")
     return names
 
 
-def _scripts() -> dict[str, Path]:
-    """Scripts by their names; those that put a paper to the test lie in a folder of their own."""
-    return {path.stem: path for path in SCENARIOS.rglob("[!_]*.py")}
-
-
-def _expected_numbers() -> dict[str, dict[str, Any]]:
-    return tomllib.loads((SCENARIOS / "expected_numbers.toml").read_text())
+def _docstring(script: Path) -> str:
+    return ast.get_docstring(ast.parse(script.read_text())) or ""
 
 
 def _scenarios() -> list[Scenario]:
     found = []
-    for name, number in _expected_numbers().items():
-        docstring = ast.get_docstring(ast.parse(_scripts()[name].read_text())) or ""
-        question, _, rest = docstring.partition("\n\n")
+    for name, expected in expected_numbers().items():
+        question, _, rest = _docstring(SCENARIOS / f"{name}.py").partition("\n\n")
         text = "\n\n".join(part for part in rest.split("\n\n") if not part.startswith("    "))
-        found.append(Scenario(name, question, text, number))
+        found.append(Scenario(name, question, text, expected))
     return found
 
 
@@ -112,8 +114,10 @@ def scenario_results(name: str) -> Path:
     """Folder of what a scenario printed and drew; it runs only if the folder is not there yet."""
     if name in CAMPAIGNS:
         return LAST / name
-    settings = hashlib.sha256(SETTINGS.read_bytes()).hexdigest()[:8]
-    folder = cache_folder() / f"gallery-{settings}" / name
+    expected = expected_numbers()[name]
+    settings = json.dumps({key: expected.get(key) for key in ("number", "also", "coarser")})
+    digest = hashlib.sha256(settings.encode()).hexdigest()[:8]
+    folder = cache_folder() / f"gallery-{digest}" / name
     if not (folder / PRINTED).exists():
         _run(name, folder)
     return folder
@@ -130,10 +134,10 @@ def keep_campaign(name: str) -> None:
 
 
 def _run(name: str, folder: Path) -> None:
-    started = folder.with_name(f"{name}.unfinished")
+    started = folder.with_name(f"{folder.name}.unfinished")
     shutil.rmtree(started, ignore_errors=True)
     started.parent.mkdir(parents=True, exist_ok=True)
-    folders = (SCENARIOS, SCENARIOS / "papers", REPOSITORY / "docs", REPOSITORY)
+    folders = (SCENARIOS / "papers", REPOSITORY / "docs", REPOSITORY)
     run = subprocess.run(
         [sys.executable, "-m", "making.scenario_numbers", name, str(started)],
         capture_output=True,
@@ -143,17 +147,16 @@ def _run(name: str, folder: Path) -> None:
     )
     if run.returncode:
         raise RuntimeError(f"scenarios/{name}.py failed: {run.stderr.strip()}")
-    # The last line names the pictures by their place on this machine.
-    lines = [line for line in run.stdout.splitlines() if not line.startswith("pictures: ")]
-    (started / PRINTED).write_text("\n".join(lines) + "\n")
+    (started / PRINTED).write_text(run.stdout)
     shutil.rmtree(folder, ignore_errors=True)
     started.rename(folder)
 
 
 def scenario_failures(name: str) -> list[str]:
     """Numbers of a scenario that are not the expected ones, or how it failed."""
-    expected = _expected_numbers()[name]
-    wanted = {"number": [expected["value"], expected["tolerance"]], **expected.get("also", {})}
+    expected = expected_numbers()[name]
+    wanted = {words: found for words, (_, *found) in expected.get("also", {}).items()}
+    wanted["number"] = [expected["value"], expected["tolerance"]]
     try:
         numbers = json.loads((scenario_results(name) / KEPT).read_text())
     except RuntimeError as error:
@@ -166,25 +169,21 @@ def scenario_failures(name: str) -> list[str]:
     return [f"scenarios/{name}.py: {failure}" for failure in sorted(failures)]
 
 
-def _is_expected(found: Any, wanted: Any) -> bool:
-    """Whether a number is within a tolerance (``[value, tolerance]``), or words are the same."""
-    if isinstance(found, float | int) and not isinstance(found, bool):
-        value, tolerance = wanted
-        return bool(abs(found - value) <= tolerance)
-    if isinstance(found, list) and found and isinstance(found[0], float):
-        values, tolerance = wanted
-        pairs = zip(found, values, strict=True)
-        return all(abs(one - value) <= tolerance for one, value in pairs)
-    return bool(found == wanted)
+def _is_expected(found: Any, wanted: list[Any]) -> bool:
+    """Whether numbers are within a tolerance (value, tolerance), or words are the same."""
+    if len(wanted) == 1:
+        return bool([found] == wanted)
+    values, tolerance = wanted
+    return bool(np.all(np.abs(np.subtract(found, values)) <= tolerance))
 
 
 def _index(scenarios: list[Scenario]) -> str:
     cards = [
-        f"## [{one.question}]({one.name}.md)\n\n"
-        f"[![{one.question}]({one.name}/{one.expected['picture']}){{width=75%}}]({one.name}.md)\n"
+        f"## [{one.question}]({one.page}.md)\n\n"
+        f"[![{one.question}]({one.page}/{one.expected['picture']}){{width=75%}}]({one.page}.md)\n"
         for one in scenarios
     ]
-    entries = "\n".join(one.name for one in scenarios)
+    entries = "\n".join(one.page for one in scenarios)
     toctree = f"```{{toctree}}\n:hidden:\n\n{entries}\n```\n"
     return HEAD + "\n".join(cards) + "\n" + toctree
 
@@ -192,30 +191,30 @@ def _index(scenarios: list[Scenario]) -> str:
 def _page(scenario: Scenario, result: Path) -> str:
     expected = scenario.expected
     unit = "" if expected["unit"] == "1" else f" {expected['unit']}"
-    script = _scripts()[scenario.name].relative_to(REPOSITORY)
+    script = f"scenarios/{scenario.name}.py"
     pictures = sorted(path.name for path in result.glob("*.png"))
     pictures.sort(key=lambda name: name != expected["picture"])
     drawn = "\n\n".join(
-        f"![{name.removesuffix('.png').replace('_', ' ')}]({scenario.name}/{name})"
+        f"![{name.removesuffix('.png').replace('_', ' ')}]({scenario.page}/{name})"
         for name in pictures
     )
     return (
         f"# {scenario.question}\n\n{scenario.text}\n\n"
         f"**Held by every build:** {expected['quantity']}: {expected['value']}{unit}, within "
-        f"{expected['tolerance']}{unit}.\n\n{_how_it_ran(scenario.name)}"
+        f"{expected['tolerance']}{unit}.\n\n{_how_it_ran(scenario)}"
         f"    python {script}\n\n{drawn}\n\n## What it prints\n\n"
         f"```text\n{(result / PRINTED).read_text()}```\n\n## The script\n\n"
         f"```{{literalinclude}} ../../../{script}\n:language: python\n```\n"
     )
 
 
-def _how_it_ran(name: str) -> str:
-    if name in CAMPAIGNS:
+def _how_it_ran(scenario: Scenario) -> str:
+    if scenario.name in CAMPAIGNS:
         return (
-            f"It takes {CAMPAIGNS[name]}: this page shows what it gave when it last ran, by "
-            "`python docs/build.py --campaigns`.\n\n"
+            f"It takes {CAMPAIGNS[scenario.name]}: this page shows what it gave when it last ran, "
+            "by `python docs/build.py --campaigns`.\n\n"
         )
-    if name in COARSER:
-        settings = ", ".join(f"`{name}`" for name in COARSER[name])
-        return f"For this page it ran on coarser settings ({settings}) than it takes alone:\n\n"
+    if coarser := scenario.expected.get("coarser"):
+        settings = ", ".join(f"`{name} = {value}`" for name, value in coarser.items())
+        return f"For this page it ran on coarser settings than it takes alone: {settings}.\n\n"
     return ""

@@ -6,38 +6,29 @@ that the paper leaves open, beside what its tables print. Each of its claims is 
 with the uncertainty that the printed spreads of fibres and resin leave, what would have made it
 fail, and the reason where it does. The paper prints no link size, so that only ratios compare.
 
-Beside the pictures the folder gets `composites.csv`, with a row for each plies, layers, beams,
+Beside the pictures stand `composites.csv`, with a row for each plies, layers, beams,
 supports, position, laminate and case; `composite_properties.csv`, the laminates by the rule of
 mixtures beside Table 2; `composite_running.csv`, torque, power, joint force and deflection of the
 linkages in motion, and of the same links of steel; `composite_strength.csv`, the nominal stress at
 which each stacking's first ply fails, and the crank speed at which inertia breaks each linkage;
 `composite_claims.csv`, every claim with its verdict; all numbers in `composites.nc`; and the model
-files of the 120 linkages in `models`. With --workers 2 two processes compute.
+files of the 120 linkages in `models`.
 
-    python scenarios/papers/elamy_2023.py [--out results/elamy_2023] [--workers 1]
+    python scenarios/papers/elamy_2023.py
 """  # noqa: D400 - a scenario asks a question
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 import xarray as xr
-from _claims import (
-    REPRODUCED_WITHIN,
-    SPREADS,
-    Claim,
-    claim_lines,
-    claim_table,
-    verdict_sentences,
-)
-from _elamy_claims import composite_claims
-from _elamy_linkages import crank_rocker_files, stored
-from _elamy_pictures import pictures_of
-from _elamy_study import study_composites
-from _elamy_tables import (
+from elamy_claims import composite_claims
+from elamy_linkages import crank_rocker_files, stored
+from elamy_pictures import pictures_of
+from elamy_study import study_composites
+from elamy_tables import (
     frequency_table,
     printed_tables,
     property_table,
@@ -45,8 +36,18 @@ from _elamy_tables import (
     strength_table,
     weakest,
 )
+from paper_claims import (
+    REPRODUCED_WITHIN,
+    SPREADS,
+    Claim,
+    claim_lines,
+    claim_table,
+    verdict_sentences,
+)
 
 from flexmech.studies import workers
+
+PROCESSES = 1
 
 
 @dataclass(frozen=True)
@@ -56,44 +57,6 @@ class ElamyAnswer:
     study: xr.Dataset
     claims: list[Claim]
     tables: dict[str, pd.DataFrame]
-
-
-def main(out: Path, *, processes: int = 1) -> ElamyAnswer:
-    """Compute all linkages, judge the claims, write and print all.
-
-    Parameters
-    ----------
-    out : Path
-        Folder for tables, pictures and model files.
-    processes : int
-
-    Returns
-    -------
-    ElamyAnswer
-    """
-    with workers(processes) as executor:
-        answer = answer_of(study_composites(executor))
-    (out / "models").mkdir(parents=True, exist_ok=True)
-    answer.study.to_netcdf(out / "composites.nc", engine="h5netcdf")
-    for name, table in answer.tables.items():
-        table.to_csv(out / f"{name}.csv", index=False, float_format="%.6g")
-    for name, text in crank_rocker_files().items():
-        (out / "models" / name).write_text(text, encoding="utf-8")
-    claims, conclusions = answer.claims, stored("elamy_2023_claims")["conclusions"]
-    print(*verdict_sentences(claims, conclusions), sep="\n")
-    print(f"\n{claim_table(claims).to_string()}")
-    for words, table in printed_tables(answer.tables).items():
-        print(f"\n{words}\n{table.to_string()}")
-    print(f"\n{weakest(answer.tables)}", *claim_lines(claims), sep="\n")
-    print(
-        f"a number is reproduced if ours is within {100 * REPRODUCED_WITHIN:g} % of the one "
-        f"printed, or within {SPREADS:g} uncertainties of ours by Table 1 where that is more, and "
-        "undecidable if that band is not narrower than the effect"
-    )
-    for name, figure in pictures_of(answer.study).items():
-        figure.savefig(out / f"{name}.png", dpi=200)
-    print(f"pictures: {out}, with the tables")
-    return answer
 
 
 def answer_of(study: xr.Dataset) -> ElamyAnswer:
@@ -110,8 +73,25 @@ def answer_of(study: xr.Dataset) -> ElamyAnswer:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--out", type=Path, default=Path("results/elamy_2023"))
-    parser.add_argument("--workers", type=int, default=1)
-    given = parser.parse_args()
-    main(given.out, processes=given.workers)
+    with workers(PROCESSES) as executor:
+        answer = answer_of(study_composites(executor))
+    answer.study.to_netcdf("composites.nc", engine="h5netcdf")
+    for name, table in answer.tables.items():
+        table.to_csv(f"{name}.csv", index=False, float_format="%.6g")
+    Path("models").mkdir(exist_ok=True)
+    for name, text in crank_rocker_files().items():
+        Path("models", name).write_text(text, encoding="utf-8")
+    for name, figure in pictures_of(answer.study).items():
+        figure.savefig(f"{name}.png")
+
+    conclusions = stored("elamy_2023_claims")["conclusions"]
+    print(*verdict_sentences(answer.claims, conclusions), sep="\n")
+    print(f"\n{claim_table(answer.claims).to_string()}")
+    for words, table in printed_tables(answer.tables).items():
+        print(f"\n{words}\n{table.to_string()}")
+    print(f"\n{weakest(answer.tables)}", *claim_lines(answer.claims), sep="\n")
+    print(
+        f"a number is reproduced if ours is within {100 * REPRODUCED_WITHIN:g} % of the one "
+        f"printed, or within {SPREADS:g} uncertainties of ours by Table 1 where that is more, and "
+        "undecidable if that band is not narrower than the effect"
+    )

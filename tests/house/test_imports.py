@@ -182,6 +182,20 @@ def public_names(module: str) -> set[str]:
     return {name for name in stored | defined if not name.startswith("_")}
 
 
+def test_scenarios_are_read_alone_and_listed():
+    """A script of the gallery imports no module of the folder; the table has its question."""
+    listed = (SCENARIOS / "README.md").read_text(encoding="utf-8")
+    modules = {path.stem for path in SCENARIOS.rglob("*.py")}
+    for path in sorted(SCENARIOS.rglob("*.py")):
+        question = (ast.get_docstring(parsed(path)) or "").partition("\n")[0]
+        if path.parent == SCENARIOS:
+            known = {found.module for found in imports(path)}
+            assert not {module.partition(".")[0] for module in known} & modules, path.name
+        if path.parent == SCENARIOS or question.endswith("?"):
+            place = path.relative_to(SCENARIOS).as_posix()
+            assert f"| {question} | [{place}]({place}) |" in listed, place
+
+
 def test_scenarios_use_public_names_alone():
     """Public is what the doors of ``flexmech`` and its rooms export, never a file within."""
     for path in sorted(SCENARIOS.rglob("*.py")):

@@ -12,12 +12,12 @@ from collections import Counter
 import numpy as np
 import pytest
 import xarray as xr
-from _claims import Claim, verdict_sentences
-from _elamy_claims import composite_claims
-from _elamy_linkages import crank_rocker, position_angles, published_case, stored
-from _elamy_pictures import pictures_of
-from _elamy_study import study_composites
 from elamy_2023 import ElamyAnswer, answer_of
+from elamy_claims import composite_claims
+from elamy_linkages import crank_rocker, position_angles, published_case, stored
+from elamy_pictures import pictures_of
+from elamy_study import study_composites
+from paper_claims import Claim, verdict_sentences
 
 from flexmech import (
     Mechanism,
@@ -145,14 +145,13 @@ def test_the_answer_counts_the_verdicts(answer):
 
 @pytest.mark.thorough
 def test_the_script_writes_tables_pictures_and_a_model_file_of_each_linkage(tmp_path):
-    command = [sys.executable, SCRIPT, "--out", tmp_path / "out", "--workers", "2"]
-    subprocess.run(command, check=True, capture_output=True)
-    assert len(list((tmp_path / "out").glob("*.png"))) == 5
-    claims = columns_of(tmp_path / "out/composite_claims.csv")
+    subprocess.run([sys.executable, SCRIPT], cwd=tmp_path, check=True, capture_output=True)
+    assert len(list(tmp_path.glob("*.png"))) == 5
+    claims = columns_of(tmp_path / "composite_claims.csv")
     assert len(claims["statement"]) == 56
-    models = sorted((tmp_path / "out/models").iterdir())
+    models = sorted((tmp_path / "models").iterdir())
     assert len(models) == 120
-    written = load_mechanism(tmp_path / "out/models/case_2_C3_woven_across_width.toml")
+    written = load_mechanism(tmp_path / "models/case_2_C3_woven_across_width.toml")
     own = crank_rocker(2, "C3", "woven", "across width")
     assert written.sections == own.sections
 
