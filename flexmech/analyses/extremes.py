@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flexmech.arrays import ROUND_OFF, FloatArray
+from flexmech.errors import InputError
 
 Values = Callable[[FloatArray], FloatArray]
 """From crank angles (A,) in rad to quantities there, (A, n)."""
@@ -60,35 +61,38 @@ class Extremes:
     error: FloatArray
 
 
-def extremes(
-    values_at: Values,
-    crank_angles: FloatArray,
-    *,
-    between: bool = True,
-    step: float | None = None,
-) -> Extremes:
+def extremes(values_at: Values, crank_angles: FloatArray, *, step: float | None = None) -> Extremes:
     """Least and greatest values from the first to the last of some crank angles, or times.
 
-    They are sought in steps of a degree, and each is narrowed down between its neighbours.
+    They are sought in steps of a degree, and each is narrowed down between its neighbours. Of a
+    linkage that cannot be moved through all angles between, which passes a dead point or a gap of
+    its range of motion, values at the angles alone count, and errors are not numbers.
 
     Parameters
     ----------
     values_at : callable
-        See :data:`Values`.
+        See :data:`Values`; raises InputError where the linkage cannot stand.
     crank_angles : ndarray, shape (A,)
         In rad, increasing.
-    between : bool
-        Whether values between the angles count; else those at the angles alone.
     step : float, optional
         In place of a degree, of times: what is over time does not go round.
 
     Returns
     -------
     Extremes
+
+    Raises
+    ------
+    InputError
+        If the linkage cannot stand at one of the angles.
     """
-    angles, turns = crank_angles, step is None
-    if between:
-        angles = with_steps(angles, step or _STEP)
+    try:
+        return _extremes(values_at, with_steps(crank_angles, step or _STEP), True, step is None)
+    except InputError:
+        return _extremes(values_at, crank_angles, False, step is None)
+
+
+def _extremes(values_at: Values, angles: FloatArray, between: bool, turns: bool) -> Extremes:
     values = values_at(angles)
     greatest = _greatest(values_at, angles, values, 1.0, between, turns)
     least = _greatest(values_at, angles, values, -1.0, between, turns)
@@ -250,11 +254,20 @@ def mean_over_turns(
     Returns
     -------
     tuple of float, or None
-        None where the angles are no whole turns.
+        None where the angles are no whole turns, or the linkage cannot be moved through them.
     """
     first, last = float(crank_angles[0]), float(crank_angles[-1])
     if not is_whole(last - first):
         return None
+    try:
+        return _mean(value_at, first, last)
+    except InputError:
+        return None
+
+
+def _mean(
+    value_at: Callable[[FloatArray], FloatArray], first: float, last: float
+) -> tuple[float, float]:
     steps = _FEWEST_STEPS * round((last - first) / (2 * np.pi))
     values = value_at(np.linspace(first, last, steps + 1))
     mean, error = np.trapezoid(values, dx=1 / steps), np.inf

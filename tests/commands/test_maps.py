@@ -121,6 +121,18 @@ def test_a_speed_in_a_band_has_a_multiplier_beyond_one(stability):
         assert growth["multiplier_modulus"][at] == pytest.approx(largest, rel=1e-9)
 
 
+def test_details_are_a_table_of_errors_by_their_causes(stability):
+    """The greatest error of an edge is at least its greatest part, and at most the sum of parts."""
+    (table,) = stability.said["details"]["tables"]
+    assert table["columns"] == ["quantity", "of", "value", "unit", "error"]
+    parts = [row for row in table["rows"] if row[0].startswith("error of edges by ")]
+    assert [row[0].rpartition(" by ")[2] for row in parts] == ["steps", "moving modes", "mesh"]
+    assert {(row[1], row[3]) for row in parts} == {("reference", "rad/s")}
+    values = [row[2] for row in parts]
+    greatest = np.nanmax(stability.table("bands")["error_rad_s"])
+    assert max(values) <= 1.001 * greatest <= 1.002 * sum(values)
+
+
 @pytest.mark.thorough
 def test_enough_damping_closes_all_bands(command, stability):
     ratio = 1.05 * stability.table("bands")["closing_damping_ratio"].max()

@@ -1,10 +1,8 @@
-"""Counterweights that weigh shaking force, shaking moment and driving torque against each other.
+"""Counterweights, and those that weigh shaking force, shaking moment and driving torque.
 
 Forces are linear in the first moments of the counterweights and, their radii given, in the sizes
 of these, to which their inertias are proportional. The weighed mean squares are a quadratic form of
 both, whose least value is sought.
-
-Counterweights, and a mechanism with them.
 """
 
 from __future__ import annotations

@@ -1,10 +1,6 @@
-"""Counterweights that balance a linkage: fully, in part, or in a compromise.
+"""Counterweights that balance a linkage: fully, in part or in a compromise; as a model file too.
 
-From counterweights to one labelled dataset: the linkage as given, and balanced.
-
-The result of a balance: its tables, picture, model file and words.
-
-The balanced model file: that of the mechanism with its counterweights.
+The dataset holds the linkage in two states, as given and balanced.
 """
 
 from __future__ import annotations

@@ -1,12 +1,9 @@
-"""What elastic links make of a balance: shaking force of the running linkage, first frequency.
-
-Greatest values of a balance, sought between crank angles, and how far they are known.
-"""
+"""Greatest forces of a balance between crank angles, of rigid links and of elastic links."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,12 +13,11 @@ from scipy.interpolate import CubicSpline
 from flexmech.analyses.balance.compromise import inertia_loads
 from flexmech.analyses.balance.request import BalanceRequest
 from flexmech.analyses.default_engines import engine_for
-from flexmech.analyses.extremes import Peaks, greatest_between
+from flexmech.analyses.extremes import Extremes, extremes
 from flexmech.analyses.frequencies.positions import frequency_extremes, natural_frequencies
 from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
-from flexmech.errors import InputError
 from flexmech.linkages.frame_forces import shaft_axis
 from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
@@ -165,7 +161,7 @@ def rigid_peaks(states: Sequence[Mechanism], request: BalanceRequest) -> xr.Data
     return _dataset(names, [_of_state(state, request) for state in states])
 
 
-def _of_state(mechanism: Mechanism, request: BalanceRequest) -> Peaks:
+def _of_state(mechanism: Mechanism, request: BalanceRequest) -> Extremes:
     speed, joints = request.speed_of(mechanism), mechanism.linkage.topology.joint_names
 
     def loads_at(crank_angle: FloatArray) -> FloatArray:
@@ -176,14 +172,7 @@ def _of_state(mechanism: Mechanism, request: BalanceRequest) -> Peaks:
         shaking = np.linalg.norm(loads.force, axis=-1)
         return np.stack([shaking, np.abs(loads.moment), np.abs(loads.torque), *sizes], axis=1)
 
-    try:
-        return greatest_between(loads_at, request.crank_angles)
-    except InputError:
-        # It passes a dead point, or a gap of its range of motion.
-        values = loads_at(request.crank_angles)
-        number = values.argmax(axis=0)
-        unknown = np.full(values.shape[1], np.nan)
-        return Peaks(values.max(axis=0), request.crank_angles[number], unknown)
+    return extremes(loads_at, request.crank_angles)
 
 
 def elastic_peaks(found: Sequence[ElasticShaking]) -> xr.Dataset:
@@ -207,23 +196,19 @@ def elastic_peaks(found: Sequence[ElasticShaking]) -> xr.Dataset:
             size = np.linalg.norm(force(angle), axis=-1)
             return np.stack([size, np.abs(moment(angle))], axis=1)
 
-        peaks = greatest_between(loads_at, each.crank_angle)
+        peaks = extremes(loads_at, each.crank_angle)
         known = peaks.error + np.array([each.force_error, each.moment_error])
-        parts.append(peaks._replace(error=known))
+        parts.append(replace(peaks, error=known))
     return _dataset(["elastic_shaking_force", "elastic_shaking_moment"], parts)
 
 
-def _dataset(names: list[str], parts: Sequence[Peaks]) -> xr.Dataset:
+def _dataset(names: list[str], parts: Sequence[Extremes]) -> xr.Dataset:
     over = ("state", "quantity")
-    columns: Mapping[str, str] = {
-        "greatest": "value",
-        "greatest_angle": "angle",
-        "greatest_error": "error",
-    }
+    fields = {"greatest": "greatest", "greatest_angle": "greatest_angle", "error": "greatest_error"}
     return xr.Dataset(
         {
             name: (over, np.stack([getattr(part, field) for part in parts]))
-            for name, field in columns.items()
+            for field, name in fields.items()
         },
         {"quantity": names},
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -11,12 +12,14 @@ from numpy.typing import NDArray
 from flexmech.analyses.aspects.shaking import harmonics_line, point_text
 from flexmech.analyses.balance.elastic import JOINT_FORCE
 from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.details import notes_of
 from flexmech.analyses.digits import Quantity, percent, plain
 from flexmech.analyses.summary import Row, Summary, Table, crank_speed_text
 from flexmech.arrays import ROUND_OFF
 
 _MM, _GRAM = 1e3, 1e3
-_AT = "force at "
+# What is told of a counterweight, its unit, and the factor from the SI unit.
+_OF_COUNTERWEIGHTS = (("mass", "g", _GRAM), ("radius", "mm", _MM), ("angle", "deg", DEGREES))
 # Relative error of extremes, as of ``kinematics``: less is below the digits of all that is printed.
 _TOLD = 1e-6
 # Part of the elastic linkage's shaking force that is left, from which the balance misses its aim.
@@ -83,7 +86,7 @@ def summary_of(data: xr.Dataset) -> Summary:
         table,
         _trust(data),
         tuple(_details(data)),
-        (*_heavy_warnings(changes), *_elastic_warnings(changes)),
+        tuple(_warnings(changes)),
         _numbers(data, changes),
     )
 
@@ -162,7 +165,7 @@ def _changes(data: xr.Dataset) -> list[_Change]:
 
 def _joint_changes(data: xr.Dataset) -> list[_Change]:
     return [
-        _peak(data, f"{JOINT_FORCE}{joint}", f"{_AT}{joint}", "N")
+        _peak(data, f"{JOINT_FORCE}{joint}", f"force at {joint}", "N")
         for joint in data["joint"].values.astype(str).tolist()
     ]
 
@@ -198,12 +201,10 @@ def _error(data: xr.Dataset, some: NDArray[np.bool_]) -> float:
 
 
 def _details(data: xr.Dataset) -> list[Table | str]:
-    columns = (
-        _GRAM * data["counterweight_mass"].values,
-        _MM * data["counterweight_radius"].values,
-        DEGREES * data["counterweight_angle"].values,
+    columns = [
+        *(factor * data[f"counterweight_{name}"].values for name, _, factor in _OF_COUNTERWEIGHTS),
         *(_MM * data["counterweight_place"].transpose("component", ...).values + 0.0),
-    )
+    ]
     cells = ([f"{value:.6g}" for value in column] for column in columns)
     rows = tuple(zip(data["counterweight"].values.astype(str).tolist(), *cells, strict=True))
     headings = ("link", "mass g", "radius mm", "angle deg", "x mm", "y mm")
@@ -216,51 +217,36 @@ def _details(data: xr.Dataset) -> list[Table | str]:
         told = data.assign(shaking_force_order=force.where(force > ROUND_OFF * force.max(), 0.0))
         for state in data["state"].values.astype(str).tolist():
             said.append(harmonics_line(told.sel(state=state), f"{state}: shaking"))
-    said += [
-        "shaking force: of the links' inertia; weight, loads and springs to the ground put on the "
-        "frame what no counterweight changes but for its own weight, which is constant",
-        "driving torque and joint forces: under all that acts but loads over time",
-        "balanced.toml: the model file with the counterweights, for every other command",
-    ]
-    return said
+    return [*said, *notes_of(__package__).values()]
 
 
-def _heavy_warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
-    """Of counterweights that are out of proportion to what they balance."""
-    moving = changes["moving_mass"]
+def _warnings(changes: dict[str, _Change]) -> Iterator[str]:
+    """Counterweights out of proportion to what they balance, or spoilt by elastic links."""
+    moving, rigid = changes["moving_mass"], changes["shaking_force"]
     added = moving.after - moving.before
-    if added <= _MOST_ADDED * moving.before:
-        return ()
-    return (
-        f"the counterweights of {plain(added)} g are {added / moving.before:.3g} times as heavy as "
-        "all that moves: no shaft or frame bears that; give a greater --radius, or check masses "
-        "and lengths of the model",
-    )
-
-
-def _elastic_warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
-    elastic, rigid = changes.get("elastic_shaking_force"), changes["shaking_force"]
-    if elastic is None or rigid.after >= _MISSED * rigid.before:
-        return ()
-    if elastic.after < _MISSED * elastic.before:
-        return ()
-    return (
-        f"elastic links keep {100 * elastic.after / elastic.before:.3g} % of the shaking force: "
-        "counterweights swing as the links bend; try a smaller --radius or stiffer links",
-    )
+    if not added <= _MOST_ADDED * moving.before:
+        yield (
+            f"the counterweights of {plain(added)} g are {added / moving.before:.3g} times as "
+            "heavy as all that moves: no shaft or frame bears that; give a greater --radius, or "
+            "check masses and lengths of the model"
+        )
+    elastic = changes.get("elastic_shaking_force", rigid)
+    if rigid.after < _MISSED * rigid.before and elastic.after >= _MISSED * elastic.before:
+        yield (
+            f"elastic links keep {100 * elastic.after / elastic.before:.3g} % of the shaking "
+            "force: counterweights swing as the links bend; try a smaller --radius or stiffer links"
+        )
 
 
 def _numbers(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[Quantity, ...]:
-    numbers = []
-    for number, link in enumerate(data["counterweight"].values.astype(str).tolist()):
-        own = data.isel(counterweight=number)
-        numbers.append(Quantity("counterweight_mass", _GRAM * _mass(data, number), "g", of=link))
-        radius = _MM * own["counterweight_radius"].item()
-        numbers.append(Quantity("counterweight_radius", radius, "mm", of=link))
-        angle = DEGREES * own["counterweight_angle"].item()
-        numbers.append(Quantity("counterweight_angle", angle, "deg", of=link))
+    numbers = [
+        Quantity(f"counterweight_{name}", factor * float(own), unit, of=link)
+        for number, link in enumerate(data["counterweight"].values.astype(str).tolist())
+        for name, unit, factor in _OF_COUNTERWEIGHTS
+        for own in [data[f"counterweight_{name}"][number]]
+    ]
     for one in changes.values():
+        peak = "" if one.name in ("first_frequency", "moving_mass") else "peak_"
         for state, value in zip(("as given", "balanced"), (one.before, one.after), strict=True):
-            peak = "" if one.name in ("first_frequency", "moving_mass") else "peak_"
             numbers.append(Quantity(f"{peak}{one.name}", value, one.unit, of=state))
     return tuple(numbers)

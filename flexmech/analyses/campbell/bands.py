@@ -1,11 +1,9 @@
 """Lowest, mean and highest frequency of each branch over the crank angles, at many speeds.
 
-Bands at many speeds from solutions at few of them.
-
-Branches are smooth in speed but for bends, where a band's end passes from one crank angle to
-another. Between solved speeds runs the cubic through the four nearest. A speed in the middle
-between two is predicted, then solved: where both differ by more than the tolerance the halves are
-divided in turn.
+Few of the speeds are solved for. Branches are smooth in speed but for bends, where a band's end
+passes from one crank angle to another. Between solved speeds runs the cubic through the four
+nearest. A speed in the middle between two is predicted, then solved: where both differ by more than
+the tolerance the halves are divided in turn.
 
 The lowest frequency over the crank angle is the least of several smooth functions of speed, one
 for each of its minima. Where another one becomes the least, the curve has a bend that no

@@ -1,7 +1,4 @@
-"""Campbell diagram: which crank speeds make a natural frequency a multiple of the speed.
-
-The result of a Campbell diagram: bands, critical speeds, gaps, tables and the picture.
-"""
+"""Campbell diagram: which crank speeds make a natural frequency a multiple of the speed."""
 
 from __future__ import annotations
 
@@ -15,12 +12,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_attributes, theory_lines
-from flexmech.analyses.campbell import answer as answers
-from flexmech.analyses.campbell import words
+from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.campbell.crossings import CriticalSpeed
 from flexmech.analyses.campbell.engine_bands import EngineDiagram, Gap, engine_diagram
 from flexmech.analyses.campbell.request import CampbellRequest
+from flexmech.analyses.campbell.words import summary_of
 from flexmech.analyses.crank_speeds import asked_speeds
 from flexmech.analyses.datasets import (
     columns_of,
@@ -38,16 +34,13 @@ from flexmech.analyses.requests import (
     asked_engines,
     asks,
     engines_of,
-    fewer_modes_lines,
 )
 from flexmech.analyses.result import Result
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import (
     Summary,
-    Table,
     environment_lines,
     left_out_attributes,
-    warnings_of,
 )
 from flexmech.arrays import IntArray, LabelledProgress, silent
 from flexmech.choices import PRESTRESS_LEVELS
@@ -137,33 +130,7 @@ class CampbellDiagram(Result):
 
     def summary(self) -> Summary:
         """Whether operating speeds are clear of the orders, which to avoid, and the errors."""
-        data = self.dataset
-        difference = answers.engine_difference(data)
-        agree = difference is None or difference.agree
-        details: tuple[Table | str, ...] = (
-            *words.operating_lines(data),
-            *fewer_modes_lines(data.attrs),
-            *filter(None, [plots.terms_text(data)]),
-            *theory_lines(data.attrs),
-            *words.error_lines(data),
-            *str(data.attrs.get("environment_lines", "")).splitlines(),
-            words.verdict(data),
-        )
-        warned = difference is not None and difference.worth_a_warning
-        shown = data.isel(engine=[0]) if agree else data
-        met = (data["critical_gap"] == 0).any()
-        return Summary(
-            answers.answer(data),
-            words.critical_table(shown) if met else answers.band_table(data),
-            answers.trust(data),
-            details,
-            (
-                *words.gap_lines(data),
-                *words.disagreement(data, warned=warned),
-                *warnings_of(data.attrs),
-            ),
-            answers.numbers(data),
-        )
+        return summary_of(self.dataset)
 
 
 def dataset_of(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> xr.Dataset:

@@ -1,13 +1,11 @@
 """The Campbell diagram of one engine: bands, their errors, gaps, and critical speeds.
 
-The speeds at which rays meet ends of bands, by real solutions.
+Rays meet ends of bands at speeds that are solved for. A band's end is a lowest or highest frequency
+over the crank angle. Near a crossing both speed and angle are unknown: three crank angles around
+each extreme that may be the band's end give a parabola, its vertex the frequency there, and that a
+better speed by the secant method.
 
-A band's end is a lowest or highest frequency over the crank angle. Near a crossing both speed and
-angle are unknown: three crank angles around each extreme that may be the band's end give a
-parabola, its vertex the frequency there, and that a better speed by the secant method.
-
-Linear systems in the few shapes of each position that its lowest modes are made of.
-
+Systems are projected on the few shapes of each position that its lowest modes are made of.
 Component modes of straight links are not accurate for links that are bent far at high crank
 speeds (of the aluminium four-bar at 94 rad/s they are off by 0.8 in detail 2 and by 7e-3 in detail
 4), and all coordinates take long. The second-order Krylov space of a position contains its lowest

@@ -1,72 +1,191 @@
-"""What a Campbell diagram says: the table of critical speeds and the lines below it.
+"""A Campbell diagram in words: whether speeds are clear of the crank's orders, and which to avoid.
 
-Ranges of speed that a Campbell diagram has results for: no other speed is called clear.
+Ranges of speed that the diagram has results for: no other speed is called clear.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.beam_theory import theory_reason
-from flexmech.analyses.summary import Table, speed_text
-from flexmech.arrays import unbroken_runs
-from flexmech.plots.reading import speed_unit
+from flexmech.analyses.beam_theory import theory_lines, theory_reason
+from flexmech.analyses.campbell.crossings import ray
+from flexmech.analyses.details import (
+    Range,
+    details_table,
+    engines_line,
+    lies_in,
+    operating_speeds,
+    ranges_text,
+    speed_name,
+)
+from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.requests import fewer_modes_lines
+from flexmech.analyses.summary import (
+    EngineDifference,
+    Summary,
+    Table,
+    speed_text,
+    trust_line,
+    warnings_of,
+)
+from flexmech.arrays import FloatArray, unbroken_runs
+from flexmech.plots.reading import merged, speed_unit, terms_text
 from flexmech.units import from_si
 
-# From one speed to another in rad/s.
-Range = tuple[float, float]
+PARTS = ("lowest_frequency", "mean_frequency", "highest_frequency")
+# Operating speeds that have a sentence each; of more the greatest has, and the others share one.
+_MOST_TOLD = 2
+# Ranges that one sentence can list.
+_MOST_LISTED = 4
+# Speeds of a range that a cubic curve needs.
+_CUBIC = 4
+# A speed meets the range of an order by which the range itself changes: few steps settle it.
+_STEPS = 8
 
 
-def computed_ranges(dataset: xr.Dataset) -> list[Range]:
-    """Ranges of speed in which the first engine has results, ascending.
+@dataclass(frozen=True)
+class Critical:
+    """Speeds at which an order meets a branch of the first engine.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        Of the diagram.
+    order, branch : int
+        Counted from 1.
+    start, end : float
+        In rad/s, the smaller first.
+    is_cut : tuple of bool
+        Whether the diagram begins or ends inside of the range, so that its own end is beyond.
+    error : float
+        Relative, of an end that is not cut.
+    """
+
+    order: int
+    branch: int
+    start: float
+    end: float
+    is_cut: tuple[bool, bool]
+    error: float
+
+    @property
+    def end_errors(self) -> tuple[float, float]:
+        """Of start and end in rad/s; not a number where the range is cut."""
+        ends = zip((self.start, self.end), self.is_cut, strict=True)
+        first, last = (math.nan if cut else abs(end) * self.error for end, cut in ends)
+        return first, last
+
+
+def summary_of(data: xr.Dataset) -> Summary:
+    """Answer, table, trust, details, warnings and numbers of a Campbell diagram.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a ``CampbellDiagram``.
 
     Returns
     -------
-    list of tuple of float
-        In rad/s; a single speed between gaps is a range without width.
+    Summary
     """
-    speeds = dataset["band_speed"].values.tolist()
-    known = np.isfinite(dataset["band_frequency"].values[0]).all(axis=(1, 2))
+    difference = _difference(data)
+    shown = data.isel(engine=[0]) if difference is None or difference.agree else data
+    branches = [f"branch {number}" for number in data["branch"].values.tolist()]
+    verdict = engines_line(data, _apart(data), "frequencies", branches)
+    verdict += theory_reason(data.attrs)
+    warned = difference is not None and difference.worth_a_warning
+    error = float(data["discretisation_error"].max()) + float(data["fit_error"].max())
+    details: tuple[Table | str, ...] = (
+        *fewer_modes_lines(data.attrs),
+        *filter(None, [terms_text(data)]),
+        *theory_lines(data.attrs),
+        *details_table(_quantities(data)),
+        *str(data.attrs.get("environment_lines", "")).splitlines(),
+        verdict,
+    )
+    warnings = (
+        *_gaps(data),
+        *([f"{verdict}; ask for more --elements, or a smaller --tolerance"] if warned else []),
+        *warnings_of(data.attrs),
+    )
+    return Summary(
+        _answer(data),
+        _critical_table(shown) if (data["critical_gap"] == 0).any() else _band_table(data),
+        trust_line(data["engine"].values.tolist(), error, difference),
+        details,
+        warnings,
+        _numbers(data),
+    )
+
+
+def _answer(data: xr.Dataset) -> tuple[str, ...]:
+    """Flutter, whether the operating speeds are clear of the orders, and which to avoid."""
+    speeds = sorted(operating_speeds(data), key=abs, reverse=True)
+    told = len(speeds) if len(speeds) <= _MOST_TOLD else 1
+    sentences = [_at_speed(data, speed) for speed in speeds[:told]]
+    sentences += [_at_others(data, speeds[told:])] if speeds[told:] else []
+    flutters = filter(None, [str(data.attrs.get("flutter", ""))])
+    return (*flutters, *sentences, _speeds_to_avoid(data))
+
+
+def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Ends of all critical ranges of speed, and frequencies at the greatest operating speed."""
+    unit, found = speed_unit(data), list[Quantity]()
+    for met in _critical(data):
+        of = f"order {met.order}, branch {met.branch}"
+        ends = zip(("from", "to"), (met.start, met.end), met.end_errors, strict=True)
+        for name, end, error in ends:
+            value, known = from_si(end, unit), abs(from_si(error, unit))
+            found.append(Quantity(f"critical_speed_{name}", value, unit, known, of))
+    for speed in sorted(_computed_operating_speeds(data), key=abs)[-1:]:
+        for branch in range(data.sizes["branch"]):
+            bands, errors = _band_at(data, speed, branch)
+            found += [
+                Quantity(f"{part}_at_operating_speed", value, "Hz", away, f"branch {branch + 1}")
+                for part, value, away in zip(PARTS, bands.tolist(), errors.tolist(), strict=True)
+                if math.isfinite(value)
+            ]
+    return tuple(found)
+
+
+def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
+    """Errors by mesh, fit and crossing of each engine, and orders met at operating speeds."""
+    for n, engine in enumerate(data["engine"].values.astype(str).tolist()):
+        own = data.isel(engine=n)
+        mesh = f"relative error by the mesh ({int(own['elements'])} elements a link)"
+        for error in own["discretisation_error"].max("branch"):
+            of = f"{speed_name(data, error['check_speed'])}, {engine}"
+            yield Quantity(mesh, float(error), "", of=of)
+        if float(own["fit_error"]) > 0:
+            yield Quantity("relative error by the fit", float(own["fit_error"]), "", of=engine)
+        yield Quantity("speeds solved for", float(own["solved"].sum()), "", of=engine)
+        ends = "relative error of ends of critical speeds"
+        yield Quantity(ends, float(own["crossing_error"]), "", of=engine)
+    for speed in operating_speeds(data):
+        for met in _met_at(data, speed):
+            of = f"branch {met.branch}, {speed_name(data, speed)}"
+            yield Quantity("order at an operating speed", float(met.order), "", of=of)
+
+
+def _computed_ranges(data: xr.Dataset) -> list[Range]:
+    """Ranges of speed in which the first engine has results, ascending.
+
+    In rad/s; a single speed between gaps is a range without width.
+    """
+    speeds = data["band_speed"].values.tolist()
+    known = np.isfinite(data["band_frequency"].values[0]).all(axis=(1, 2))
     return [(speeds[run[0]], speeds[run[-1]]) for run in unbroken_runs(known)]
 
 
-def is_computed(dataset: xr.Dataset, speed: float) -> bool:
-    """Whether the first engine has results at a speed in rad/s.
-
-    What went through another unit may be off by its last digits.
-    """
-    slack = 1e-9 * float(np.abs(dataset["crank_speed"].values).max())
-    return any(low - slack <= speed <= high + slack for low, high in computed_ranges(dataset))
+def _is_computed(data: xr.Dataset, speed: float) -> bool:
+    return lies_in(data, _computed_ranges(data), speed)
 
 
-def not_computed(dataset: xr.Dataset) -> str:
-    """The ranges of the diagram without results, in words; empty where there are none.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of the diagram.
-
-    Returns
-    -------
-    str
-        Such as ``"from 139.5 to 900 rad/s nothing was computed"``.
-    """
-    low, high = np.sort(dataset["crank_speed"].values[[0, -1]]).tolist()
-    unit = speed_unit(dataset)
-    between = without([(low, high)], computed_ranges(dataset))
-    listed = [
-        f"from {speed_text(first, unit)} to {speed_text(last, unit)}" for first, last in between
-    ]
-    return f"{' and '.join(listed)} {unit} nothing was computed" if listed else ""
+def _computed_operating_speeds(data: xr.Dataset) -> list[float]:
+    return [speed for speed in operating_speeds(data) if _is_computed(data, speed)]
 
 
 def without(ranges: Sequence[Range], left_out: Sequence[Range]) -> list[Range]:
@@ -96,150 +215,256 @@ def without(ranges: Sequence[Range], left_out: Sequence[Range]) -> list[Range]:
     return rest
 
 
-def critical_table(dataset: xr.Dataset) -> Table:
+def _band_table(data: xr.Dataset) -> Table:
+    """Frequencies at the greatest operating speed, or at the greatest speed of the diagram."""
+    ends = (end for computed in _computed_ranges(data) for end in computed)
+    speed = max(_computed_operating_speeds(data) or ends, key=abs)
+    rows = []
+    for branch in range(data.sizes["branch"]):
+        cells = (rounded(*pair) for pair in zip(*_band_at(data, speed, branch), strict=True))
+        rows.append((f"f{branch + 1}", *cells))
+    return Table(
+        f"natural frequencies at {speed_name(data, speed)}, {data.attrs.get('mechanism', '')}",
+        ("branch", "lowest Hz", "mean Hz", "highest Hz"),
+        (tuple(rows),),
+        caption="over the turn; no order meets a branch among the speeds asked for",
+    )
+
+
+def _critical_table(data: xr.Dataset) -> Table:
     """Ranges of speed in which an order meets a branch, grouped by engine and branch."""
-    unit = speed_unit(dataset)
-    names = [str(name) for name in dataset["engine"].values]
-    groups = []
-    for engine in names:
-        for branch in dataset["branch"].values.tolist():
-            own = (dataset["critical_engine"] == engine) & (dataset["critical_branch"] == branch)
-            rows = dataset.isel(critical=np.flatnonzero(own))
-            error = float(dataset["discretisation_error"].sel(engine=engine, branch=branch).max())
-            group = tuple(
-                _row(rows.isel(critical=n), unit, error) for n in range(rows.sizes["critical"])
-            )
+    unit, groups = speed_unit(data), []
+    for engine in data["engine"].values.tolist():
+        for branch in data["branch"].values.tolist():
+            own = (data["critical_engine"] == engine) & (data["critical_branch"] == branch)
+            error = float(data["discretisation_error"].sel(engine=engine, branch=branch).max())
+            places = np.flatnonzero(own).tolist()
+            group = tuple(_row(data.isel(critical=n), unit, error) for n in places)
             groups += [group] if group else []
-    met = dataset["critical_gap"].values == 0
     captions = []
-    if not groups:
-        captions.append("no order meets a branch at the speeds that were computed")
-    if dataset["critical_starts_inside"].any() or dataset["critical_ends_inside"].any():
+    if data["critical_starts_inside"].any() or data["critical_ends_inside"].any():
         captions.append("<, >: the order is inside the branch's band already or still there")
     headings = ["engine", "branch", "order", f"from {unit}", f"to {unit}"]
-    if not met.all():
+    if (data["critical_gap"] > 0).any():
         headings.append("nearest")
         captions.append("nearest: the order meets the branch nowhere and is this far from it")
     return Table(
-        f"critical speeds, {dataset.attrs.get('mechanism', '')}",
+        f"critical speeds, {data.attrs.get('mechanism', '')}",
         tuple(headings),
         tuple(tuple(row[: len(headings)] for row in group) for group in groups),
         caption="; ".join(captions),
     )
 
 
-def operating_lines(dataset: xr.Dataset) -> list[str]:
-    """Which orders meet a branch at the operating speeds of the model file, by the first engine."""
-    speeds = [float(speed) for speed in str(dataset.attrs.get("operating_speeds", "")).split()]
-    unit, found = speed_unit(dataset), []
-    first = dataset["critical_engine"] == dataset["engine"].values[0]
-    critical = dataset.isel(
-        critical=np.flatnonzero(first.values & (dataset["critical_gap"].values == 0))
-    )
-    low, high = np.sort(dataset["crank_speed"].values[[0, -1]])
-    for speed in speeds:
-        name = f"{speed_text(speed, unit)} {unit}"
-        if not low <= speed <= high:
-            found.append(f"{name} is not among the speeds asked for")
-            continue
-        if not is_computed(dataset, speed):
-            found.append(f"at {name} nothing was computed")
-            continue
-        ends = critical["critical_start"].values, critical["critical_end"].values
-        here = critical.isel(critical=np.flatnonzero((ends[0] <= speed) & (speed <= ends[1])))
-        pairs = zip(here["critical_order"].values, here["critical_branch"].values, strict=True)
-        met = ", ".join(f"order {order} (branch {branch})" for order, branch in pairs)
-        found.append(f"{name} is met by {met or 'none of these orders'}")
-    return [f"operating speeds of the model file: {'; '.join(found)}"] if found else []
-
-
-def gap_lines(dataset: xr.Dataset) -> list[str]:
-    """Crank speeds without a result, and why."""
-    unit, lines = speed_unit(dataset), []
-    for n in range(dataset.sizes["gap"]):
-        gap = dataset.isel(gap=n)
-        first, last = (speed_text(gap[f"gap_{end}"], unit) for end in ("first", "last"))
-        where = f"at {first} {unit}" if first == last else f"from {first} to {last} {unit}"
-        count = int(gap["gap_count"])
-        lines.append(
-            f"gap: {gap['gap_engine'].item()} has no result {where} "
-            f"({count} speed{'' if count == 1 else 's'}): {gap['gap_reason'].item()}"
-        )
-    return lines
-
-
-def error_lines(dataset: xr.Dataset) -> list[str]:
-    """Errors of the frequencies by mesh and fit, and of the critical speeds."""
-    lines, unit = [], speed_unit(dataset)
-    for n, name in enumerate(dataset["engine"].values):
-        own = dataset.isel(engine=n)
-        exists = np.isfinite(own["lowest_frequency"].isel(branch=0).values)
-        solved, count = int(own["solved"].sum()), int(exists.sum())
-        line = (
-            f"errors, {name}: mesh ({int(own['elements'])} elements a link, estimated) at most "
-            f"{_by_speed(own, unit)} of the frequency"
-        )
-        if float(own["fit_error"]) > 0:
-            line += (
-                f"; fit in speed, at speeds that it was not made of, at most "
-                f"{float(own['fit_error']):.1e} ({solved} of {count} speeds solved)"
-            )
-        lines.append(
-            f"{line}; ends of critical speeds solved to {float(own['crossing_error']):.0e}"
-        )
-    return lines
-
-
-def disagreement(dataset: xr.Dataset, *, warned: bool) -> list[str]:
-    """What to do where two engines differ by more than their errors explain."""
-    if not warned:
-        return []
-    return [f"{verdict(dataset)}; ask for more --elements, or a smaller --tolerance"]
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """How far two engines' bands differ; or that only one ran."""
-    names = [str(name) for name in dataset["engine"].values]
-    if len(names) < 2:
-        return f"engines: no comparison was made, only the {names[0]} engine ran"
-    parts = ("lowest_frequency", "mean_frequency", "highest_frequency")
-    values = np.stack([dataset[part].values[:2] for part in parts], axis=-1)
-    apart = np.abs(values[1] / values[0] - 1)
-    if not np.isfinite(apart).any():
-        return "engines: no comparison is possible, at no speed have both a result"
-    speed, branch, _ = np.unravel_index(int(np.nanargmax(apart)), apart.shape)
-    unit = speed_unit(dataset)
-    where = speed_text(dataset["crank_speed"][speed], unit)
-    return (
-        f"engines: {names[0]} and {names[1]} differ by at most {float(np.nanmax(apart)):.2e} of "
-        f"the frequency, at {where} {unit}, branch {branch + 1}{theory_reason(dataset.attrs)}"
-    )
-
-
-def _by_speed(dataset: xr.Dataset, unit: str) -> str:
-    """Error of the mesh at each of the speeds checked, such as "1e-04 at 0, 2e-04 at 20 rad/s"."""
-    errors = dataset["discretisation_error"].max("branch").values
-    speeds = [speed_text(w, unit) for w in dataset["check_speed"].values]
-    pairs = [f"{e:.1e} at {w}" for e, w in zip(errors, speeds, strict=True) if np.isfinite(e)]
-    return f"{', '.join(pairs)} {unit}"
-
-
 def _row(critical: xr.Dataset, unit: str, error: float) -> tuple[str, ...]:
-    ends = [from_si(float(critical[f"critical_{end}"]), unit) for end in ("start", "end")]
-    start, end = (_known(value, error) for value in ends)
-    gap = float(critical["critical_gap"])
+    start, end = (
+        _known(from_si(float(critical[f"critical_{end}"]), unit), error) for end in ("start", "end")
+    )
+    gap, nearest = float(critical["critical_gap"]), ""
     if gap > 0:
         end, nearest = "", f"{100 * gap:.1f} %"
     else:
-        nearest = ""
         start = f"< {start}" if bool(critical["critical_starts_inside"]) else start
         end = f"> {end}" if bool(critical["critical_ends_inside"]) else end
-    engine = str(critical["critical_engine"].item())
-    branch, order = (int(critical[f"critical_{name}"]) for name in ("branch", "order"))
-    return engine, str(branch), str(order), start, end, nearest
+    names = (str(critical[f"critical_{name}"].item()) for name in ("engine", "branch", "order"))
+    return (*names, start, end, nearest)
 
 
 def _known(value: float, error: float) -> str:
     """A speed with the digits that a relative error leaves known."""
     digits = int(np.clip(np.floor(-np.log10(max(error, 1e-6))) + 1, 3, 6))
     return f"{value:.{digits}g}" if value < 10**digits else f"{value:.0f}"
+
+
+def _band_at(data: xr.Dataset, speed: float, branch: int) -> tuple[FloatArray, FloatArray]:
+    """Lowest, mean and highest frequency of a branch at a speed in rad/s, by the first engine.
+
+    Returns
+    -------
+    values, errors : ndarray, shape (3,)
+        Hz; errors by mesh and fit, and between the speeds by what a cubic curve makes of it.
+    """
+    speeds = data["band_speed"].values
+    values = data["band_frequency"].values[0, :, :, branch].T
+    known = np.isfinite(values).all(axis=0)
+    if not known.any():
+        return np.full(3, np.nan), np.full(3, np.nan)
+    at, values = speeds[known], values[:, known]
+    straight = np.array([np.interp(speed, at, row) for row in values])
+    curved = straight
+    if len(at) >= _CUBIC:
+        from scipy.interpolate import CubicSpline
+
+        curved = np.asarray(CubicSpline(at, values, axis=1)(np.clip(speed, at[0], at[-1])))
+    return curved, _error(data, branch) * curved + np.abs(curved - straight)
+
+
+def _error(data: xr.Dataset, branch: int) -> float:
+    """Relative error of a branch's frequencies by mesh and fit, and the engines' difference."""
+    mesh = float(data["discretisation_error"].isel(branch=branch).max())
+    apart = np.nan_to_num(_apart(data.isel(branch=[branch]))).max(initial=0.0)
+    return max(mesh + float(data["fit_error"].max()), float(apart))
+
+
+def _apart(data: xr.Dataset) -> FloatArray:
+    """Relative difference of two engines' frequencies, (S, m, 3); empty with one engine."""
+    values = np.stack([data[part].values[:2] for part in PARTS], axis=-1)
+    return np.asarray(np.abs(values[1] / values[0] - 1)) if len(values) > 1 else np.zeros((0, 0, 3))
+
+
+def _difference(data: xr.Dataset) -> EngineDifference | None:
+    """That of the branches of two engines which their errors explain least, if there are two."""
+    apart, mesh = _apart(data), data["discretisation_error"]
+    if not np.isfinite(apart).any():
+        return None
+    known = np.isfinite(apart).any(axis=(0, 2))
+    error = mesh.max([name for name in mesh.dims if name not in ("engine", "branch")])
+    allowed = (error + data["fit_error"]).sum("engine").values
+    return EngineDifference.least_explained(np.nanmax(apart[:, known], axis=(0, 2)), allowed[known])
+
+
+def _critical(data: xr.Dataset) -> list[Critical]:
+    """Ranges of speed in which an order meets a branch of the first engine."""
+    first = data["critical_engine"] == data["engine"].values[0]
+    met = data.isel(critical=np.flatnonzero(first & (data["critical_gap"] == 0)))
+    columns = (
+        met[f"critical_{name}"].values.tolist()
+        for name in ("order", "branch", "start", "end", "starts_inside", "ends_inside")
+    )
+    return [
+        Critical(order, branch, start, end, (before, after), _error(data, branch - 1))
+        for order, branch, start, end, before, after in zip(*columns, strict=True)
+    ]
+
+
+def _met_at(data: xr.Dataset, speed: float) -> list[Critical]:
+    return [met for met in _critical(data) if met.start <= speed <= met.end]
+
+
+def _orders_text(data: xr.Dataset) -> str:
+    orders = data["order"].values
+    first, last = int(orders.min()), int(orders.max())
+    if len(orders) <= 2:
+        return f"order{'s' * (len(orders) > 1)} {' and '.join(map(str, orders.tolist()))}"
+    whole = len(orders) == last - first + 1
+    listed = f"{first} to {last}" if whole else ", ".join(map(str, orders.tolist()))
+    return f"orders {listed}"
+
+
+def _at_speed(data: xr.Dataset, speed: float) -> str:
+    """Whether a speed is clear of the orders, its lowest frequency, and the nearest order."""
+    name = speed_name(data, speed)
+    if not _is_computed(data, speed):
+        return f"Whether {name} is critical is not known: nothing was computed there."
+    bands, errors = _band_at(data, speed, 0)
+    ends = [rounded(bands[n], errors[n]) for n in (0, 2)]
+    first = f"f1 is {' to '.join(dict.fromkeys(ends))} Hz"
+    if here := _met_at(data, speed):
+        listed = "; ".join(
+            f"order {met.order} meets f{met.branch} at {_range(data, [met])}" for met in here
+        )
+        return f"{name} is critical: {listed}; {first}."
+    return f"{name} is clear of {_orders_text(data)}; {first}{_nearest(data, speed)}."
+
+
+def _at_others(data: xr.Dataset, speeds: list[float]) -> str:
+    """Which of several speeds are clear of the orders, critical, or not computed."""
+    names: dict[str, list[str]] = {"critical": [], "clear": [], "not computed": []}
+    for speed in speeds:
+        state = "critical" if _met_at(data, speed) else "clear"
+        state = state if _is_computed(data, speed) else "not computed"
+        names[state].append(speed_name(data, speed))
+    parts = [
+        f"{', '.join(own)} {'is' if len(own) == 1 else 'are'} {state}"
+        for state, own in names.items()
+        if own
+    ]
+    return f"Of the other operating speeds {'; '.join(parts)}."
+
+
+def _range(data: xr.Dataset, met: list[Critical]) -> str:
+    """Ends of ranges that overlap in the user's unit, with the digits that are known."""
+    unit, texts = speed_unit(data), []
+    first, last = min(met, key=lambda one: one.start), max(met, key=lambda one: one.end)
+    for one, place, beyond in ((first, 0, "less"), (last, 1, "more")):
+        end, error = (one.start, one.end)[place], one.end_errors[place]
+        if one.is_cut[place]:
+            texts.append(f"{speed_text(end, unit)} or {beyond}")
+        else:
+            texts.append(rounded(from_si(end, unit), abs(from_si(error, unit))))
+    return f"{' to '.join(dict.fromkeys(texts))} {unit}"
+
+
+def _nearest(data: xr.Dataset, speed: float) -> str:
+    """The lowest order that meets the lowest branch at a speed, or nearest to it; empty at rest.
+
+    Higher branches are met by orders so high that they excite nothing.
+    """
+    bands, _ = _band_at(data, speed, 0)
+    if not speed or not np.isfinite(bands).all():
+        return ""
+    per_order = float(ray(1, speed))
+    first, last = math.ceil(bands[0] / per_order), math.floor(bands[2] / per_order)
+    if first <= last:
+        met = _range(data, [_meeting_of(data, speed, first)])
+        return f"; the lowest order that meets f1 there is {first}, at {met}"
+    # The order just below the band, and the one just above it.
+    found = [_meeting_of(data, speed, order) for order in {last, first} - {0}]
+    nearest = min(found, key=lambda one: max(one.start - speed, speed - one.end))
+    return f"; the nearest is order {nearest.order}, which meets f1 at {_range(data, [nearest])}"
+
+
+def _meeting_of(data: xr.Dataset, speed: float, order: int) -> Critical:
+    """The range about a speed in which any order meets the lowest branch.
+
+    Bands beyond the speeds of the diagram are taken as at its last one.
+    """
+    ends = []
+    for end in (0, 2):
+        found = speed
+        for _ in range(_STEPS):
+            hertz = float(_band_at(data, found, 0)[0][end])
+            found = math.copysign(2 * math.pi * hertz / order, speed)
+        ends.append(found)
+    return Critical(order, 1, min(ends), max(ends), (False, False), _error(data, 0))
+
+
+def _speeds_to_avoid(data: xr.Dataset) -> str:
+    """All critical ranges of the diagram as one sentence, and the widest range without one."""
+    unit, orders = speed_unit(data), _orders_text(data)
+    met, computed, unknown = _critical(data), _computed_ranges(data), ""
+    low, high = np.sort(data["crank_speed"].values[[0, -1]]).tolist()
+    if missing := without([(low, high)], computed):
+        unknown = f"; {ranges_text(missing, unit)} nothing was computed"
+    groups = [
+        [one for one in met if start <= one.start and one.end <= end]
+        for start, end in merged((one.start, one.end) for one in met)
+    ]
+    meet = f"{orders} of the crank {'meets' if data.sizes['order'] == 1 else 'meet'}"
+    if not groups:
+        where = ranges_text(computed, unit)
+        return f"No speed {where} is critical: {meet} no frequency{unknown}."
+    avoid = ", ".join(_range(data, group) for group in groups)
+    if len(groups) > _MOST_LISTED:
+        avoid = f"{len(groups)} ranges of speed, {_range(data, met)}"
+    said = f"Avoid {avoid}: there {meet} a frequency"
+    ends = [(min(o.start for o in group), max(o.end for o in group)) for group in groups]
+    clear = without(computed, ends)
+    if not clear:
+        return f"{said}; no speed of the diagram is clear{unknown}."
+    error = max(one.error for one in met)
+    widest = max(clear, key=lambda ends: ends[1] - ends[0])
+    first, last = (rounded(from_si(w, unit), abs(from_si(w, unit)) * error) for w in widest)
+    return f"{said}; the widest range that is clear is {first} to {last} {unit}{unknown}."
+
+
+def _gaps(data: xr.Dataset) -> Iterator[str]:
+    """Crank speeds without a result, and why."""
+    for n in range(data.sizes["gap"]):
+        gap = {str(name): data[name].values[n] for name in data if data[name].dims == ("gap",)}
+        where = ranges_text([(gap["gap_first"], gap["gap_last"])], speed_unit(data))
+        count = int(gap["gap_count"])
+        yield (
+            f"gap: {gap['gap_engine']} has no result {where} "
+            f"({count} speed{'' if count == 1 else 's'}): {gap['gap_reason']}"
+        )

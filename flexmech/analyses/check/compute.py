@@ -1,12 +1,10 @@
-"""What is known of a mechanism: sections, masses, words, and natural frequencies at rest.
-
-The result that says what is known of a mechanism.
-"""
+"""What is known of a mechanism: sections, masses, words, and natural frequencies at rest."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -18,16 +16,16 @@ from flexmech import plots
 from flexmech.analyses.check.remarks import USUAL_TRANSMISSION_ANGLE, linkage_in_short, remarks
 from flexmech.analyses.check.sections import LINK_PROPERTIES, PROPERTIES, section_properties
 from flexmech.analyses.datasets import provenance
-from flexmech.analyses.digits import Quantity, plain, rounded
+from flexmech.analyses.details import details_table
+from flexmech.analyses.digits import Quantity, plain
 from flexmech.analyses.frequencies.discretisation import mesh_error
 from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.frequencies.positions import natural_frequencies
-from flexmech.analyses.requests import engine_of
+from flexmech.analyses.requests import as_many_modes, engine_of, fewer_modes_lines
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table, trust_line
 from flexmech.arrays import ROUND_OFF, FloatArray
-from flexmech.choices import MODES
-from flexmech.errors import ComputationError, InputError
+from flexmech.errors import InputError
 from flexmech.hygrothermal import absorbing_links, inert_links
 from flexmech.linkages import (
     CouplerCurve,
@@ -150,7 +148,9 @@ class ModelCheck(Result):
                 *attributes["linkage"].splitlines(),
                 self._link_table(),
                 *attributes["mechanism_lines"].splitlines(),
-                self._frequency_line(),
+                *details_table(self._numbers()),
+                *fewer_modes_lines(attributes),
+                self._mesh_line(),
             ),
             self.remarks,
             self._numbers(),
@@ -213,6 +213,14 @@ class ModelCheck(Result):
         error = max(number.error / number.value if number.value else 0.0 for number in numbers)
         return trust_line([str(self.dataset.attrs["engine"])], error)
 
+    def _mesh_line(self) -> str:
+        """By which engine and mesh the natural frequencies at rest are, or why there are none."""
+        attributes = self.dataset.attrs
+        made = f"{attributes['engine']} engine, {attributes['elements']} elements a link"
+        angle = f"{np.degrees(self.dataset['frequency_angle'].item()):.6g} deg"
+        reason = attributes["without_frequencies"]
+        return f"natural frequencies at rest, crank angle {angle}: {reason or made}"
+
     def _links_in_short(self) -> Table:
         """A row for each link with what a designer chooses: size, mass, stiffness, damping."""
         known, rows = self.dataset, []
@@ -242,24 +250,6 @@ class ModelCheck(Result):
                     ]
                 rows.append((words, *numbers))
         return Table("links", ("property", *self.dataset["link"].values), (tuple(rows),))
-
-    def _frequency_line(self) -> str:
-        attributes = self.dataset.attrs
-        angle = np.degrees(self.dataset["frequency_angle"].item())
-        title = f"natural frequencies at rest, crank angle {angle:.6g} deg"
-        if "frequency" not in self.dataset:
-            return f"{title}: none ({attributes['without_frequencies']})"
-        engine, elements = attributes["engine"], attributes["elements"]
-        made = f"{engine} engine, {elements} elements a link"
-        frequency = self.dataset["frequency"].values.tolist()
-        errors = self.dataset["discretisation_error"].values.tolist()
-        listed = ", ".join(
-            rounded(hz, hz * error) for hz, error in zip(frequency, errors, strict=True)
-        )
-        return (
-            f"{title}: {listed} Hz ({made}; discretisation error (estimated) at most "
-            f"{max(errors):.1e} of the frequency)"
-        )
 
 
 def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None) -> ModelCheck:
@@ -322,8 +312,9 @@ def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None
     dataset["frequency_angle"] = at
     frequency = None
     try:
-        frequency, error, flutters = _oscillating(engine, at)
-        dataset.attrs["flutter"] = flutters
+        known, fewer = as_many_modes(partial(_at_rest, engine, at), None)
+        frequency, error, flutters = known
+        dataset.attrs |= {"flutter": flutters, **fewer}
         dataset["frequency"] = ("mode", frequency)
         dataset["discretisation_error"] = ("mode", error)
     except InputError as error:
@@ -339,21 +330,8 @@ def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None
     return ModelCheck(ModelCheck.schema().labelled(dataset))
 
 
-def _oscillating(engine: Engine, crank_angle: float) -> tuple[FloatArray, FloatArray, str]:
-    """Natural frequencies of as many modes as oscillate, their mesh error, and whether one grows.
-
-    The last in words; empty where none does.
-    """
-    for modes in range(MODES, 1, -1):
-        try:
-            return _at_rest(engine, crank_angle, modes)
-        except ComputationError:
-            # Strongly damped links have few modes that oscillate.
-            continue
-    return _at_rest(engine, crank_angle, 1)
-
-
 def _at_rest(engine: Engine, crank_angle: float, modes: int) -> tuple[FloatArray, FloatArray, str]:
+    """Natural frequencies, their mesh error, and flutter in words; empty where no mode grows."""
     frequency = natural_frequencies(engine, crank_angle, modes=modes)
     systems, at = Systems(engine.fit_for(modes), Formulation(modes=modes)), np.array([crank_angle])
     with one_thread():

@@ -1,12 +1,8 @@
-"""What an engineer would remark on in a mechanism: numbers that can be, and hardly are.
+"""What a linkage is in a sentence, and what an engineer would remark on in a mechanism.
 
 What cannot be at all is refused where a number is read (:mod:`flexmech.plausible`); here are the
 ranges of what is usual. Sections without known layers are judged by what their stiffnesses and
 masses say together.
-
-What a linkage is, in one sentence.
-
-What an engineer would remark on in how a linkage moves: transmission angles, laws of motion.
 """
 
 from __future__ import annotations
@@ -59,8 +55,22 @@ def linkage_in_short(linkage: Linkage) -> str:
     return f"{_planar_kind(linkage)}: the crank {_turns(turns_fully(linkage))}."
 
 
-def turns_fully(linkage: PlanarLinkage) -> bool:
-    """Whether a drawn linkage has no change point and can be assembled at all whole degrees."""
+def turns_fully(linkage: Linkage) -> bool:
+    """Whether the crank makes whole turns; a linkage that stands still has none to make.
+
+    Parameters
+    ----------
+    linkage : Linkage
+
+    Returns
+    -------
+    bool
+        Of a drawn linkage: whether it has no change point and assembles at all whole degrees.
+    """
+    if isinstance(linkage, FourBar):
+        return linkage.crank_turns_fully
+    if isinstance(linkage, PlanarLinkage) and linkage.drawing.is_stationary:
+        return True
     return bool(not linkage.change_angles.size and assemblable(linkage, _TURN).all())
 
 

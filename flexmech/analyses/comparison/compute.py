@@ -1,7 +1,4 @@
-"""A measured record beside what is computed, and what of the model is fitted to it.
-
-The result of a comparison with a record: curves, fitted parameters, tables and pictures.
-"""
+"""A measured record beside what is computed, and what of the model is fitted to it."""
 
 from __future__ import annotations
 
@@ -25,7 +22,7 @@ from flexmech.analyses.comparison.problem import (
     comparison_dataset,
     damping_times,
 )
-from flexmech.analyses.comparison.words import comparison_summary
+from flexmech.analyses.comparison.words import summary_of
 from flexmech.analyses.crank_speeds import asked_speeds, in_unit
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import provenance, table_of
@@ -173,7 +170,7 @@ class Comparison(Result):
 
     def summary(self) -> Summary:
         """Fitted parameters, their correlation and what remains; how the record was aligned."""
-        return comparison_summary(self.dataset)
+        return summary_of(self.dataset)
 
 
 _PROBLEMS: dict[str, Callable[[Engine, MeasuredRecord, ComparisonRequest], RecordProblem]] = {

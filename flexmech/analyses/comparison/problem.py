@@ -1,14 +1,9 @@
-"""A record beside a model with free parameters: what every kind of record has in common.
-
-What a comparison with a record is asked to be.
-
-Free parameters of a fit, by their names, and the engine with values of them.
-"""
+"""A record beside a model with free parameters: what every kind of record has in common."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -202,56 +197,6 @@ def fitted_engine(engine: Engine, values: Mapping[str, float]) -> Engine:
     return engine.with_(mechanism=replace(mechanism, sections=sections), element=engine.element)
 
 
-def free_parameters(
-    names: Sequence[str],
-    misfit: Callable[[Mapping[str, float]], float],
-    unit_time: float,
-    unit: str,
-    size: float,
-    ratios: Sequence[float] = RATIOS,
-) -> tuple[Parameter, ...]:
-    """Parameters of a fit, from the best of the crank angles and damping times tried.
-
-    Parameters
-    ----------
-    names : sequence of str
-    misfit : callable
-        Sum of squares of the residual for values by name.
-    unit_time : float
-        Kelvin-Voigt time in s that damps the first mode by the usual ratio.
-    unit : str
-        Of the record.
-    size : float
-        Of the record's values, the scale of its offset.
-    ratios : sequence of float
-        Damping ratios of the first mode that are tried.
-
-    Returns
-    -------
-    tuple of Parameter
-    """
-    kinds = {
-        DAMPING: Parameter("", "s", unit_time, unit_time),
-        STIFFNESS: Parameter("", "", 1.0, _STIFFNESS_STEP, _LEAST_STIFFNESS),
-        OFFSET: Parameter("", unit, LINEAR[OFFSET], size, linear=True),
-        GAIN: Parameter("", "", LINEAR[GAIN], _GAIN_STEP, linear=True),
-        START_ANGLE: Parameter("", "deg", 0.0, _ANGLE_STEP),
-    }
-    found = {name: replace(kinds[name.partition(":")[0]], name=name) for name in names}
-    trials = {
-        START_ANGLE: (360 / _ANGLES * np.arange(_ANGLES)).tolist(),
-        DAMPING: [unit_time * ratio / USUAL_RATIO for ratio in ratios],
-    }
-    for kind, choices in trials.items():
-        which = [name for name in names if name.startswith(kind)]
-        if which:
-            start = {name: parameter.start for name, parameter in found.items()}
-            misfits = [misfit(start | dict.fromkeys(which, choice)) for choice in choices]
-            best = choices[int(np.argmin(misfits))]
-            found |= {name: replace(found[name], start=best) for name in which}
-    return tuple(found.values())
-
-
 # Where less than the other part of a record is explained, another gain or sign is tried.
 LITTLE_EXPLAINED = 0.5
 CURVES = ("measured", "computed", "residual")
@@ -382,10 +327,28 @@ class RecordProblem(ABC):
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """What is fitted, and from where."""
-        size = float(np.std(self.record))
-        names, ratios = self.parameter_names, self.damping_ratios
-        return free_parameters(names, self.misfit, self.unit_time, self.unit, size, ratios)
+        """What is fitted, from the best of the crank angles and damping times tried."""
+        unit_time, size = self.unit_time, float(np.std(self.record))
+        kinds = {
+            DAMPING: Parameter("", "s", unit_time, unit_time),
+            STIFFNESS: Parameter("", "", 1.0, _STIFFNESS_STEP, _LEAST_STIFFNESS),
+            OFFSET: Parameter("", self.unit, LINEAR[OFFSET], size, linear=True),
+            GAIN: Parameter("", "", LINEAR[GAIN], _GAIN_STEP, linear=True),
+            START_ANGLE: Parameter("", "deg", 0.0, _ANGLE_STEP),
+        }
+        trials = {
+            START_ANGLE: (360 / _ANGLES * np.arange(_ANGLES)).tolist(),
+            DAMPING: [unit_time * ratio / USUAL_RATIO for ratio in self.damping_ratios],
+        }
+        names = self.parameter_names
+        found = {name: replace(kinds[name.partition(":")[0]], name=name) for name in names}
+        for kind, choices in trials.items():
+            if which := [name for name in names if name.startswith(kind)]:
+                start = {name: parameter.start for name, parameter in found.items()}
+                misfits = [self.misfit(start | dict.fromkeys(which, own)) for own in choices]
+                best = choices[int(np.argmin(misfits))]
+                found |= {name: replace(found[name], start=best) for name in which}
+        return tuple(found.values())
 
     @property
     def damping_ratios(self) -> tuple[float, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import combinations
 from typing import Any
 
@@ -10,6 +10,8 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.comparison.problem import DAMPING, GAIN, STIFFNESS
+from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.details import details_table
 from flexmech.analyses.digits import Quantity
 from flexmech.analyses.response.agreement import LARGE_BOW
 from flexmech.analyses.summary import Summary, Table, crank_speed_text, warnings_of
@@ -30,8 +32,8 @@ _LITTLE_WIDER = 1.2
 _CLOSE = 0.95
 
 
-def comparison_summary(data: xr.Dataset) -> Summary:
-    """Fitted parameters, their correlation and what remains; how the record was aligned.
+def summary_of(data: xr.Dataset) -> Summary:
+    """Answer, table, trust, details, warnings and numbers of a comparison with a record.
 
     Parameters
     ----------
@@ -42,56 +44,52 @@ def comparison_summary(data: xr.Dataset) -> Summary:
     -------
     Summary
     """
-    unexplained, *intervals = _residual_lines(data)
-    details = (
-        *_record_lines(data),
-        *_ratio_lines(data),
-        *_correlation_lines(data),
-        unexplained,
-        _verdict(data),
-    )
-    nothing = "no interval is known: nothing was fitted, the model is compared as it is"
     return Summary(
         _answer(data),
         _fit_table(data),
-        next(iter(intervals), nothing),
-        details,
+        _trust(data),
+        (*details_table(_quantities(data)), *_notes(data)),
         (*_warnings(data), *warnings_of(data.attrs)),
         _numbers(data),
     )
 
 
+def _parameters(data: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
+    """Kind, link and values of each fitted parameter; without a link where it is of all."""
+    for name in data["parameter"].values.tolist():
+        kind, _, link = name.partition(":")
+        yield kind, link, data.sel(parameter=name)
+
+
 def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     """Fitted parameters with half of their 95 % intervals, and what they leave unexplained."""
     fitted = []
-    for name in data["parameter"].values:
-        own = data.sel(parameter=name)
-        kind, _, link = str(name).partition(":")
-        unit = str(own["parameter_unit"].item())
+    for kind, link, own in _parameters(data):
+        unit = _unit(own)
         half = float(own["upper"] - own["lower"]) / 2
-        fitted.append(
-            Quantity(
-                f"fitted_{kind}", float(own["fitted"]), "" if unit == "1" else unit, half, link
-            )
-        )
+        fitted.append(Quantity(f"fitted_{kind}", float(own["fitted"]), unit, half, link))
     return (*fitted, Quantity("unexplained", 100 * float(data.attrs["unexplained"]), "%"))
+
+
+def _unit(parameter: xr.Dataset) -> str:
+    unit = str(parameter["parameter_unit"].item())
+    return "" if unit == "1" else unit
 
 
 def _answer(data: xr.Dataset) -> tuple[str, ...]:
     """What fits best, and what of the record it leaves unexplained."""
     *fitted, unexplained = _numbers(data)
     lines = []
-    for one, name in zip(fitted, data["parameter"].values, strict=True):
-        own = data.sel(parameter=name)
+    for one, (kind, link, own) in zip(fitted, _parameters(data), strict=True):
         low, high = (f"{float(own[end]):.5g}" for end in ("lower", "upper"))
-        kind = one.name.removeprefix("fitted_")
-        what, of = {
-            DAMPING: (f"damping time of {f'the {one.of}' if one.of else 'the links'}", ""),
-            STIFFNESS: (f"stiffness of the {one.of}", " of the model's"),
-        }.get(kind, (kind.replace("_", " "), ""))
-        if kind == DAMPING and not float(own["lower"]) > 0:
-            whose = what.removeprefix("damping time ")
-            what = f"record shows no damping {whose}: the damping time that fits best"
+        what, of = kind.replace("_", " "), ""
+        if kind == STIFFNESS:
+            what, of = f"stiffness of the {link}", " of the model's"
+        elif kind == DAMPING:
+            what = f"damping time of {f'the {link}' if link else 'the links'}"
+            if not float(own["lower"]) > 0:
+                whose = what.removeprefix("damping time ")
+                what = f"record shows no damping {whose}: the damping time that fits best"
         lines.append(f"The {what} is {one}{of} ({low} to {high} with 95 % probability).")
     how = "as it is" if not fitted else "with these values" if len(fitted) > 1 else "with it"
     last = f"The model {how} leaves {unexplained.value:.3g} % of the record's variance unexplained."
@@ -101,134 +99,99 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
 
 def _fit_table(data: xr.Dataset) -> Table | None:
     """Fitted parameters with their 95 % intervals; None where nothing was fitted."""
-    if not data.sizes["parameter"]:
-        return None
-
-    def row(number: int) -> tuple[str, ...]:
-        own = data.isel(parameter=number)
-        name, unit = str(own["parameter"].item()), str(own["parameter_unit"].item())
+    rows = []
+    for name in data["parameter"].values.tolist():
+        own = data.sel(parameter=name)
         keys = ("fitted", "standard_error", "lower", "upper")
         value, error, lower, upper = (f"{float(own[key]):.5g}" for key in keys)
-        return (name, value, "-" if unit == "1" else unit, error, f"{lower} to {upper}")
-
+        rows.append((name, value, _unit(own) or "-", error, f"{lower} to {upper}"))
     headings = ("parameter", "value", "unit", "std. error", "95 % interval")
-    rows = tuple(row(number) for number in range(data.sizes["parameter"]))
     title = f"fitted to {data.attrs['record']}, {data.attrs['mechanism']}"
-    return Table(title, headings, (rows,))
+    return Table(title, headings, (tuple(rows),)) if rows else None
 
 
-def _record_lines(data: xr.Dataset) -> list[str]:
-    """What was compared, and how the record was aligned."""
-    attrs = data.attrs
-    column, quantity = attrs["column"], attrs["quantity"]
-    lines = [f"compared: {column!r} of {attrs['record']} with {quantity} of the {_engine(attrs)}"]
-    if "time" in data.dims:
-        angle, length = np.degrees(attrs["start_angle"]), float(data["time"][-1] - data["time"][0])
-        turns = length * abs(attrs["crank_speed"]) / (2 * np.pi)
-        by = (
-            "found from the record itself"
-            if attrs["aligned_by"] == "record"
-            else "as its column says"
-        )
-        lines += [
-            f"record: {data.sizes['time']} samples, {length:.4g} s, {turns:.4g} turns at "
-            f"{crank_speed_text(attrs)}",
-            f"aligned: the record begins at crank angle {angle:.4g} deg, {by}",
-            f"its free vibration begins in the state that fits best: {attrs['free_states']} "
-            "numbers, found for every value of the parameters",
-        ]
-    elif "sample" in data.dims:
-        modes = ", ".join(str(mode) for mode in np.unique(data["mode"].values))
-        by = "by its frequencies" if attrs["mode_found"] else "as its column says"
-        word = "modes" if "," in modes else "mode"
-        lines.append(
-            f"record: {data.sizes['sample']} natural frequencies of {word} {modes} ({by}) at "
-            f"{crank_speed_text(attrs)}"
-        )
-    else:
-        frequency = data["frequency"].values
-        lines.append(
-            f"record: {len(frequency)} frequencies from {frequency[0]:.4g} to "
-            f"{frequency[-1]:.4g} Hz, crank locked at "
-            f"{np.degrees(attrs['crank_angle_locked']):.6g} deg"
-        )
-    return lines
-
-
-def _ratio_lines(data: xr.Dataset) -> list[str]:
-    """Fitted damping times as damping ratios of the first natural frequency."""
-    hertz = float(data.attrs["first_frequency"])
-    lines = []
-    for name in data["parameter"].values:
-        own = data.sel(parameter=name)
-        if not str(name).startswith(DAMPING):
-            continue
-        value, low, high = (
-            100 * np.pi * hertz * float(own[key]) for key in ("fitted", "lower", "upper")
-        )
-        whose = str(name).partition(":")[2]
-        of = f" of the {whose}'s material" if whose else ""
-        lines.append(
-            f"as a damping ratio{of} at {hertz:.4g} Hz, the first natural frequency: {value:.4g} % "
-            f"({low:.4g} to {high:.4g} %)"
-        )
-    return lines
-
-
-def _correlation_lines(data: xr.Dataset) -> list[str]:
-    """Correlation of each pair of parameters."""
-    names = [str(name) for name in data["parameter"].values]
-    lines = []
-    for first, second in combinations(range(len(names)), 2):
-        value = float(data["correlation"].values[first, second])
-        hardly = "; the record hardly tells them apart" if abs(value) > _CLOSE else ""
-        lines.append(f"correlation of {names[first]} and {names[second]}: {value:.3f}{hardly}")
-    return lines
-
-
-def _residual_lines(data: xr.Dataset) -> list[str]:
-    """What remains unexplained, and what that does to the intervals."""
-    attrs = data.attrs
-    parts = [data[name].values for name in data if str(name).startswith("residual")]
-    size = float(np.sqrt(np.mean(sum(part**2 for part in parts))))
-    unit = f" {attrs['unit']}" if attrs["unit"] else ""
-    part = f", {100 * _part(data):.2g} % of the frequencies" if "sample" in data.dims else ""
-    lines = [
-        f"unexplained: {100 * attrs['unexplained']:.3g} % of the record's variance, a residual of "
-        f"{size:.3g}{unit} root mean square{part}"
-    ]
+def _trust(data: xr.Dataset) -> str:
+    """What the residual does to the intervals."""
+    order, widened = data.attrs["residual_order"], data.attrs["widened"]
     if not data.sizes["parameter"]:
-        return lines
-    order, widened = attrs["residual_order"], attrs["widened"]
+        return "no interval is known: nothing was fitted, the model is compared as it is"
     if not order and widened < _LITTLE_WIDER:
-        return [*lines, "the residual looks like white noise: the intervals hold for that"]
+        return "the residual looks like white noise: the intervals hold for that"
     intervals = "the intervals of white noise cover that"
     if widened > 1.0:
         intervals = f"the intervals are up to {widened:.3g} times wider than for white noise"
     lacks = "hat the model lacks may shift the values by more than that"
     if not order:
         where = f"larger where the record tells most, so that {intervals}; w{lacks}"
-        return [*lines, f"the residual is {where}"]
-    return [
-        *lines,
+        return f"the residual is {where}"
+    return (
         f"the residual is no white noise (autoregressive of order {order}): the model lacks "
-        f"something, or the noise is coloured; {intervals}. W{lacks}",
-    ]
+        f"something, or the noise is coloured; {intervals}. W{lacks}"
+    )
 
 
-def _verdict(data: xr.Dataset) -> str:
-    """What to do with the numbers."""
-    times, factors = [], []
-    for name in data["parameter"].values:
-        kind, _, link = str(name).partition(":")
-        value = float(data["fitted"].sel(parameter=name))
+def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
+    """Size and place of the record, damping ratios, correlations, and what is unexplained."""
+    attrs = data.attrs
+    samples = next(
+        data.sizes[name] for name in ("time", "sample", "frequency") if name in data.dims
+    )
+    yield Quantity("samples of the record", float(samples), "")
+    if "time" in data.dims:
+        length = float(data["time"][-1] - data["time"][0])
+        yield Quantity("length of the record", length, "s")
+        turns = length * abs(attrs["crank_speed"]) / (2 * np.pi)
+        yield Quantity("turns of the crank", turns, "", of=crank_speed_text(attrs))
+        by = "from the record" if attrs["aligned_by"] == "record" else "by its column"
+        angle = round(DEGREES * float(attrs["start_angle"]), 9)
+        yield Quantity("crank angle at its beginning", angle, "deg", of=by)
+        states = float(attrs["free_states"])
+        yield Quantity("numbers of its free vibration", states, "", of="found for all values")
+    elif "sample" in data.dims:
+        by = "by its frequencies" if attrs["mode_found"] else "by its column"
+        for mode in np.unique(data["mode"].values).tolist():
+            yield Quantity("mode of the record", float(mode), "", of=by)
+        differ = "differences from the frequencies, root mean square"
+        yield Quantity(differ, 100 * _part(data), "%")
+    else:
+        for end, place in (("lowest", 0), ("highest", -1)):
+            yield Quantity(f"{end} frequency of the record", float(data["frequency"][place]), "Hz")
+        angle = DEGREES * float(attrs["crank_angle_locked"])
+        yield Quantity("locked crank angle", angle, "deg")
+    hertz = float(attrs["first_frequency"])
+    for kind, link, own in _parameters(data):
+        if kind == DAMPING:
+            ratio, half = (
+                100 * np.pi * hertz * float(value)
+                for value in (own["fitted"], (own["upper"] - own["lower"]) / 2)
+            )
+            of = f"{f'{link}, ' if link else ''}{hertz:.4g} Hz"
+            yield Quantity("damping ratio of the first mode", ratio, "%", half, of)
+    names = data["parameter"].values.tolist()
+    for first, second in combinations(range(len(names)), 2):
+        value = float(data["correlation"].values[first, second])
+        hardly = ", hardly told apart" if abs(value) > _CLOSE else ""
+        yield Quantity("correlation", value, "", of=f"{names[first]}, {names[second]}{hardly}")
+    parts = [data[name].values for name in data if str(name).startswith("residual")]
+    size = float(np.sqrt(np.mean(sum(part**2 for part in parts))))
+    yield Quantity("residual, root mean square", size, str(attrs["unit"]))
+
+
+def _notes(data: xr.Dataset) -> Iterator[str]:
+    """What was compared with what, and what to do with the numbers."""
+    attrs, written = data.attrs, []
+    yield (
+        f"compared: {attrs['column']!r} of {attrs['record']} with {attrs['quantity']} of the "
+        f"{attrs['engine']} engine ({attrs['element']})"
+    )
+    for kind, link, own in _parameters(data):
+        value = float(own["fitted"])
         if kind == DAMPING and value > 0:
-            times.append(f'damping_time = "{value:.4g} s" of {link or "each link"}')
+            written.append(f'damping_time = "{value:.4g} s" of {link or "each link"}')
         elif kind == STIFFNESS:
-            factors.append(f"{value:.5g} on all moduli of {link}")
-    if not times + factors:
-        return "applied: nothing; nothing of the model was fitted"
-    return f"applied: nothing; to use it, write into the model file: {'; '.join(times + factors)}"
+            written.append(f"{value:.5g} on all moduli of {link}")
+    listed = f"to use it, write into the model file: {'; '.join(written)}"
+    yield f"applied: nothing; {listed if written else 'nothing of the model was fitted'}"
 
 
 def _warnings(data: xr.Dataset) -> tuple[str, ...]:
@@ -281,25 +244,22 @@ def _unexplained(attrs: Mapping[str, Any]) -> str:
     )
 
 
-def _odd_values(data: xr.Dataset) -> list[str]:
+def _odd_values(data: xr.Dataset) -> Iterator[str]:
     """Fitted values that fit well and that no linkage or calibration has."""
-    lines = []
-    for name in data["parameter"].values:
-        own = data.sel(parameter=name)
+    for kind, link, own in _parameters(data):
         value = float(own["fitted"])
-        if str(name) == GAIN and not 1 / _CALIBRATION < value < _CALIBRATION:
-            lines.append(
-                f"a gain of {value:.4g} is no calibration: "
-                + ("the gauge or the hammer is turned around" if value < 0 else "check the units")
-                + " (damping and stiffness do not depend on it)"
+        if kind == GAIN and not 1 / _CALIBRATION < value < _CALIBRATION:
+            check = "the gauge or the hammer is turned around" if value < 0 else "check the units"
+            yield (
+                f"a gain of {value:.4g} is no calibration: {check} (damping and stiffness do not "
+                "depend on it)"
             )
-        if str(name).startswith(DAMPING) and float(own["upper"]) < 0:
-            lines.append(
-                f"the record grows where {name} is to make it decay, which no material does: check "
-                "the order of its samples, or the sign of its imaginary part (the phase of a "
-                "response lags behind the force)"
+        if kind == DAMPING and float(own["upper"]) < 0:
+            yield (
+                f"the record grows where {f'{kind}:{link}' if link else kind} is to make it decay, "
+                "which no material does: check the order of its samples, or the sign of its "
+                "imaginary part (the phase of a response lags behind the force)"
             )
-    return lines
 
 
 def _part(data: xr.Dataset) -> float:
@@ -308,7 +268,3 @@ def _part(data: xr.Dataset) -> float:
     # A record may hold numbers whose squares are beyond what a float can be.
     greatest = max(float(np.abs(ratio).max()), np.finfo(float).tiny)
     return greatest * float(np.sqrt(np.mean((ratio / greatest) ** 2)))
-
-
-def _engine(attrs: dict[str, object]) -> str:
-    return f"{attrs['engine']} engine ({attrs['element']})"

@@ -305,12 +305,7 @@ class _Path:
 
     def _extent(self, crank_angles: FloatArray) -> FloatArray:
         """Least and greatest coordinates from the first crank angle to the last, (2, 2) in m."""
-        angles = np.unique(crank_angles)
-        try:
-            found = extremes(self.position, angles)
-        except InputError:
-            # The linkage does not reach all angles between them.
-            found = extremes(self.position, angles, between=False)
+        found = extremes(self.position, np.unique(crank_angles))
         return np.stack([found.least, found.greatest], axis=1)
 
     def values(self, crank_angles: FloatArray, windows: FloatArray) -> Values:

@@ -11,6 +11,7 @@ import xarray as xr
 from flexmech.analyses.aspects.law import law_attributes, law_values
 from flexmech.analyses.aspects.motor import motor_attributes, motor_values, settled_values
 from flexmech.analyses.aspects.shaking import harmonic_values, shaft_torque, shaking_of
+from flexmech.analyses.check.remarks import turns_fully
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.extremes import is_whole
 from flexmech.analyses.kinematics.positions import (
@@ -31,11 +32,8 @@ from flexmech.linkages import (
     Drive,
     FourBar,
     InverseDynamics,
-    Linkage,
     MotorRun,
-    PlanarLinkage,
     RigidMotion,
-    assemblable,
     continuous_angles,
 )
 from flexmech.mechanics import Engine, checked_mechanism
@@ -47,8 +45,6 @@ _HARMONIC_STEPS = 720
 _STEPS_OF_A_CYCLE, _MOST_STEPS = 720, 20_000
 # Between two of these parts of a run a linkage and its loads have one extreme.
 _PARTS_OF_A_RUN = 720
-# A linkage whose range of motion has a gap of less than a degree passes as one that turns.
-_TURN = np.radians(np.arange(0.0, 360.0))
 
 
 @asks(KinematicsRequest)
@@ -168,7 +164,7 @@ def _harmonics(mechanism: Mechanism, at: Forces, request: KinematicsRequest) -> 
 def _on_turning(mechanism: Mechanism, request: KinematicsRequest) -> str:
     """Warning of a crank that is to turn and cannot turn fully; empty where it can."""
     linkage = mechanism.linkage
-    if not request.speed_of(mechanism) or _turns_fully(linkage):
+    if not request.speed_of(mechanism) or turns_fully(linkage):
         return ""
     kind = f" ({linkage.grashof_class})" if isinstance(linkage, FourBar) else ""
     speed = crank_speed_text(
@@ -178,15 +174,6 @@ def _on_turning(mechanism: Mechanism, request: KinematicsRequest) -> str:
         f"the crank cannot turn fully{kind}, so that it cannot run at {speed}: the numbers are of "
         "states in which it passes an angle at that speed; change the lengths, or let it swing"
     )
-
-
-def _turns_fully(linkage: Linkage) -> bool:
-    """Whether the crank makes whole turns; what stands still has none to make."""
-    if isinstance(linkage, FourBar):
-        return linkage.crank_turns_fully
-    if isinstance(linkage, PlanarLinkage) and linkage.drawing.is_stationary:
-        return True
-    return bool(not linkage.change_angles.size and assemblable(linkage, _TURN).all())
 
 
 def _refuse_loads_over_time(mechanism: Mechanism) -> None:

@@ -353,13 +353,9 @@ def extreme_values(
         return np.stack([one.values for one in found_at(angles)], axis=1)
 
     named = found_at(crank_angles[:1])
-    try:
-        found, mean = extremes(values_at, crank_angles, step=step), None
-        if step is None:
-            mean = mean_over_turns(lambda angles: at(angles)[0].driving_power, crank_angles)
-    except InputError:
-        # It passes a dead point, or a gap of its range of motion.
-        found, mean = extremes(values_at, crank_angles, between=False), None
+    found, mean = extremes(values_at, crank_angles, step=step), None
+    if step is None and np.isfinite(found.error).all():
+        mean = mean_over_turns(lambda angles: at(angles)[0].driving_power, crank_angles)
     values: Values = {
         "least": found.least,
         "least_angle": found.least_angle,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -19,14 +19,11 @@ from flexmech.analyses.damping_ratios import (
 )
 from flexmech.analyses.parallel import in_order
 from flexmech.analyses.parameters import DAMPING_PARAMETER, MOISTURE, Parameters
-from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
-from flexmech.analyses.stability.growth import Band
+from flexmech.analyses.stability.growth import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES, Band
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.speed_range import (
-    joined_windows,
-    narrow_windows,
-    window_ends,
     windows_are_cheaper,
+    with_windows,
 )
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import ComputationError, InputError, suggestion
@@ -370,8 +367,7 @@ def _with_windows(solver: LinkageSolver, speeds: Sequence[float]) -> LinkageSolv
     lowest = lowest_frequency(with_damping_time(solver.engine, 0.0))
     if not windows_are_cheaper(speeds, lowest):
         return solver
-    opened = list(in_order(partial(narrow_windows, solver), window_ends(speeds, lowest)))
-    return replace(solver, windows=joined_windows(opened))
+    return with_windows(solver, speeds, lowest)
 
 
 def _at_dampings(solver: LinkageSolver, factors: FloatArray, speed: float) -> list[Grown]:

@@ -13,7 +13,8 @@ frequency. The bands of a pair shrink as the order n grows.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -188,6 +189,48 @@ def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]
     ]
 
 
+@dataclass(frozen=True)
+class _Strength:
+    """A meeting with its middle in rad/s, kappa in 1/s, and kappa over the damping ratio.
+
+    Kappa is infinite beyond the last equilibrium.
+    """
+
+    meeting: Meeting
+    centre: float
+    kappa: float
+    for_ratio: float
+
+
+def _strengths(
+    solver: LinkageSolver,
+    pair: MeetingPair,
+    lowest: float,
+    least_ratio: float,
+    part: float,
+    negligible: float,
+) -> Iterator[tuple[_Strength, bool]]:
+    """Meetings of a pair, and whether each has a part of the kappa that grows.
+
+    After several without, one after the other, the pair is left. Kappa is rough where it is below
+    ``negligible`` times that.
+    """
+    hopeless = 0
+    for meeting in pair.meetings:
+        frequency = meeting.frequencies(meeting.crank_speed)
+        # A mode that creeps does not vibrate, and meets no other one.
+        if hopeless == HOPELESS or not frequency.all():
+            continue
+        for_ratio = float(np.prod(2 * np.pi * frequency)) / lowest
+        least = part * max(least_ratio * for_ratio, meeting.decay)
+        try:
+            centre, kappa = _middle(solver, meeting, negligible * least)
+        except ComputationError:
+            centre, kappa = meeting.crank_speed, np.inf
+        hopeless = 0 if kappa > least else hopeless + 1
+        yield _Strength(meeting, centre, kappa, for_ratio), kappa > least
+
+
 def met(
     solver: LinkageSolver,
     pair: MeetingPair,
@@ -214,29 +257,16 @@ def met(
     int
         Number of those whose modes meet, but whose bands are narrower than that.
     """
-    found, narrower, hopeless = [], 0, 0
-    for meeting in pair.meetings:
-        if hopeless == HOPELESS:
-            break
-        try:
-            frequency = meeting.frequencies(meeting.crank_speed)
-            if not frequency.all():
-                # A mode that creeps does not vibrate, and meets no other one.
-                continue
-            for_ratio = float(np.prod(2 * np.pi * frequency)) / lowest
-            least = FAR * max(least_ratio * for_ratio, meeting.decay)
-            centre, strength = _middle(solver, meeting, FAR * least)
-            ratio = strength / for_ratio
-            hopeless = 0 if strength > least else hopeless + 1
-            if ratio < least_ratio * (1.0 if solver.is_hamiltonian else FAR):
-                narrower += strength > 0
-                continue
-            if strength < FAR * meeting.decay:
-                continue
-            found.append(_sampled(solver, centre, strength / abs(meeting.slope), ends))
-        except ComputationError:
-            # Beyond the last equilibrium; the map says so at its own speeds.
-            continue
+    found, narrower = [], 0
+    kept = least_ratio * (1.0 if solver.is_hamiltonian else FAR)
+    for one, _ in _strengths(solver, pair, lowest, least_ratio, FAR, FAR):
+        if one.kappa < kept * one.for_ratio:
+            narrower += one.kappa > 0
+        elif FAR * one.meeting.decay <= one.kappa < np.inf:
+            # Beyond the last equilibrium there is nothing; the map says so at its own speeds.
+            with suppress(ComputationError):
+                half_width = one.kappa / abs(one.meeting.slope)
+                found.append(_sampled(solver, one.centre, half_width, ends))
     return found, narrower
 
 
@@ -255,22 +285,11 @@ def promising(
     Returns
     -------
     MeetingPair
-        Those whose kappa about the equilibrium is a tenth of what grows, or more.
+        Those whose kappa about the equilibrium is a tenth of what grows, or more; and those beyond
+        the last equilibrium, where the motion alone tells.
     """
-    kept, hopeless = [], 0
-    for meeting in pair.meetings:
-        if hopeless == HOPELESS:
-            break
-        for_ratio = float(np.prod(2 * np.pi * meeting.frequencies(meeting.crank_speed))) / lowest
-        least = NEAR_MOTION * max(least_ratio * for_ratio, meeting.decay)
-        try:
-            strength = _middle(quasi_static, meeting, np.inf)[1]
-        except ComputationError:
-            strength = np.inf  # Beyond the last equilibrium the motion alone tells.
-        if strength >= least:
-            kept.append(meeting)
-        hopeless = 0 if strength >= least else hopeless + 1
-    return MeetingPair(pair.branches, kept)
+    every = _strengths(quasi_static, pair, lowest, least_ratio, NEAR_MOTION, np.inf)
+    return MeetingPair(pair.branches, [one.meeting for one, grows in every if grows])
 
 
 def _sampled(

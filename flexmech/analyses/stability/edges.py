@@ -1,8 +1,7 @@
-"""Edges of unstable bands, with what steps, reduction and mesh make them wrong by.
+"""Unstable bands: their edges with errors, the damping ratio that closes them, and their names.
 
-Besides, the damping ratio that closes a band, and the errors of exponents.
-
-Names of unstable bands: which frequencies add up to a multiple of the crank's.
+An edge is wrong by steps, reduction and mesh, and so are exponents. A name says which frequencies
+add up to a multiple of the crank's.
 
 A name holds whatever speeds a map was asked for: modes are followed from standstill in the same
 steps in every map (:func:`following_speeds`), and nothing else than the mode that grows fastest in

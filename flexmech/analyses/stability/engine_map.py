@@ -49,12 +49,7 @@ from flexmech.analyses.stability.growth import (
     speeds_inside,
 )
 from flexmech.analyses.stability.request import StabilityRequest
-from flexmech.analyses.stability.speed_range import (
-    joined_windows,
-    narrow_windows,
-    speeds_without_equilibrium,
-    window_ends,
-)
+from flexmech.analyses.stability.speed_range import speeds_without_equilibrium, with_windows
 from flexmech.arrays import ROUND_OFF, FloatArray, LabelledProgress
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.mechanics import Engine
@@ -218,10 +213,8 @@ class _EngineMap:
     def _with_windows(
         self, label: str, solver: LinkageSolver, speeds: Sequence[float]
     ) -> LinkageSolver:
-        """A solver with windows over a range of speeds."""
-        ends = window_ends(speeds, self._lowest)
-        opened = self._each(label, partial(narrow_windows, solver), ends)
-        return replace(solver, windows=joined_windows(opened))
+        """A solver with windows over a range of speeds, with progress."""
+        return with_windows(solver, speeds, self._lowest, partial(self._each, label))
 
     def _outcomes(self, asked: Sequence[float]) -> tuple[dict[float, _Outcome], bool]:
         """Modes at the speeds asked for and those between, by which modes are tracked."""

@@ -1,6 +1,6 @@
-"""A measure of growth that changes its sign at the edge of an unstable band; runs of growth.
+"""Growth of one engine's running linkage: its measure over the crank speed, modes and bands.
 
-What one engine finds of the stability of the running linkage: modes and unstable bands.
+The measure changes its sign at the edge of an unstable band.
 """
 
 from __future__ import annotations
@@ -287,6 +287,11 @@ def nearest_meeting(exponent: NDArray[np.complex128], period: float) -> float:
     return float(np.abs(wrapped(total)).min() / (2 * period))
 
 
+YES, NO, NO_EQUILIBRIUM = "yes", "no", "no equilibrium"
+# Of speeds that an interrupted map has not come to.
+NOT_COMPUTED = "not computed"
+EDGES, PARTS = ("lower", "upper"), ("step", "reduction", "mesh")
+
 Kind = Literal["principal", "sum", "difference", "divergence", "unnamed"]
 # ``f_a + f_a``, ``f_a + f_b`` or ``f_a - f_b`` a multiple of the crank's frequency, growth without
 # oscillation, or none of these for certain.
@@ -465,8 +470,8 @@ class ExponentErrors:
 
     Parameters
     ----------
-    crank_speed : float
-        rad/s.
+    speed : float
+        Of the crank in rad/s.
     reduction, mesh, theory : float
         Change with the next larger number of moving modes; estimated error by the elements'
         length; change by beams of the next finer theory that the engine has. Not a number where
@@ -476,7 +481,7 @@ class ExponentErrors:
         where one of them is not known.
     """
 
-    crank_speed: float
+    speed: float
     reduction: float
     mesh: float
     theory: float

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import chain, pairwise
 
 import numpy as np
 
+from flexmech.analyses.parallel import in_order
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 from flexmech.mechanics.joints.position_errors import RefusedPositionsError
@@ -64,6 +67,10 @@ def _failure(
 
 
 logger = logging.getLogger(__name__)
+
+Ends = tuple[float, float]
+ForEach = Callable[[Callable[[Ends], list[SpeedWindow]], Sequence[Ends]], list[list[SpeedWindow]]]
+"""From a task and the ends of windows to the windows of each."""
 
 # Width of windows over the lowest natural frequency: with six nodes their error is 1e-8 far from
 # the last equilibrium. Windows that are narrower than the least relative width save nothing. The
@@ -128,7 +135,25 @@ def narrow_windows(solver: LinkageSolver, ends: tuple[float, float]) -> list[Spe
     return [*narrow_windows(solver, (low, middle)), *narrow_windows(solver, (middle, high))]
 
 
-def joined_windows(opened: Sequence[Sequence[SpeedWindow]]) -> tuple[SpeedWindow, ...]:
-    """All windows of :func:`narrow_windows`, by increasing speed."""
-    windows = [window for some in opened for window in some]
-    return tuple(sorted(windows, key=lambda window: window.low))
+def with_windows(
+    solver: LinkageSolver, speeds: Sequence[float], lowest: float, each: ForEach | None = None
+) -> LinkageSolver:
+    """The solver with windows over a range of crank speeds.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+    speeds : sequence of float
+        rad/s, of one sign.
+    lowest : float
+        Lowest natural frequency in rad/s.
+    each : callable, optional
+        See :data:`ForEach`; in several processes by default.
+
+    Returns
+    -------
+    LinkageSolver
+    """
+    task, ends = partial(narrow_windows, solver), window_ends(speeds, lowest)
+    opened = list(in_order(task, ends)) if each is None else each(task, ends)
+    return replace(solver, windows=tuple(sorted(chain(*opened), key=lambda own: own.low)))

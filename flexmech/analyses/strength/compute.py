@@ -1,9 +1,4 @@
-"""Strength of a mechanism's links and pins under the loads of its motion.
-
-The result of strength: its tables, pictures and words.
-
-The dataset of strength: internal forces, what is found at each place and of each pin.
-"""
+"""Strength of a mechanism's links and pins under the loads of its motion."""
 
 from __future__ import annotations
 
@@ -28,7 +23,6 @@ from flexmech.analyses.strength.margins import (
     NO_LAYER,
     PinFailure,
     failures_of,
-    fatigue_margins,
     link_margins,
     margin_names,
     margin_variables,
@@ -133,17 +127,16 @@ def strength_dataset(
     deep = max((len(one.criterion) for one in judged.values()), default=1)
     along = padded([np.moveaxis(forces[name].loads, 1, -1) for name in links], count)
     shape = (len(links), count, deep, len(SURFACES))
-    numbers = {links.index(name): one for name, one in judged.items()}
 
-    def of_links(
-        size: tuple[int, ...], values: Mapping[int, Any], otherwise: float | str = np.nan
-    ) -> Any:
-        return filled(size, (((link,), value) for link, value in values.items()), otherwise)
+    def of_links(size: tuple[int, ...], values: Mapping[str, Any], otherwise: Any = np.nan) -> Any:
+        places = (((links.index(name),), value) for name, value in values.items())
+        return filled(size, places, otherwise)
 
-    stacks = {}
-    for link, name in enumerate(links):
-        if (layers := mechanism.layers_of(name)) is not None:
-            stacks[link] = layers.laminate.layers
+    def of_places(field: str, otherwise: Any = np.nan) -> Any:
+        return of_links(shape, {n: getattr(one, field) for n, one in judged.items()}, otherwise)
+
+    known = {name: mechanism.layers_of(name) for name in links}
+    stacks = {name: own.laminate.layers for name, own in known.items() if own is not None}
     layered = shape[0], deep
     values: Values = {
         "engine": [engine],
@@ -153,18 +146,18 @@ def strength_dataset(
         "layer": np.arange(1, deep + 1),
         "surface": list(SURFACES),
         "position": padded([forces[name].place for name in links], count),
-        "criterion": of_links(layered, {n: one.criterion for n, one in numbers.items()}, ""),
+        "criterion": of_links(layered, {n: one.criterion for n, one in judged.items()}, ""),
         "ply": of_links(layered, {n: [la.ply.name for la in own] for n, own in stacks.items()}, ""),
         "angle": of_links(layered, {n: [la.angle for la in own] for n, own in stacks.items()}),
         "length": [body.length for body in mechanism.linkage.topology.links],
     }
     of_engine: Values = {
         **{name: along[:, :, number] for number, name in enumerate(_FORCES)},
-        "failure_index": of_links(shape, {n: one.index for n, one in numbers.items()}),
-        "load_factor": of_links(shape, {n: one.load_factor for n, one in numbers.items()}),
-        "speed_factor": of_links(shape, {n: one.speed_factor for n, one in numbers.items()}),
-        "worst_angle": of_links(shape, {n: judged_at[one.worst] for n, one in numbers.items()}),
-        "failure_mode": of_links(shape, {n: one.mode for n, one in numbers.items()}, ""),
+        "failure_index": of_places("index"),
+        "load_factor": of_places("load_factor"),
+        "speed_factor": of_places("speed_factor"),
+        "worst_angle": of_links(shape, {n: judged_at[one.worst] for n, one in judged.items()}),
+        "failure_mode": of_places("mode", ""),
     }
     return schema_of(__package__).dataset(values, parts=[of_engine], along="engine")
 
@@ -444,8 +437,8 @@ def _with_margins(
     dataset: xr.Dataset, failures: Mapping[str, PinFailure] | None = None
 ) -> xr.Dataset:
     """The dataset with the margins of all kinds of parts; of pins as their speeds were searched."""
-    rows = link_margins(dataset), pin_margins(dataset, failures), fatigue_margins(dataset)
-    return dataset.assign(margin_variables(*rows))
+    of_links = link_margins(dataset), link_margins(dataset, "fatigue")
+    return dataset.assign(margin_variables(*of_links, pin_margins(dataset, failures)))
 
 
 def _grows(mechanism: Mechanism, speed: float) -> bool:

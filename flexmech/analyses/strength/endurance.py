@@ -3,13 +3,10 @@
 Normal stress along the link alone, ``N/A -+ M h/(2I)`` with its sign: it is greatest at the
 surfaces, where the shear force has no stress. Cycles by rainflow counting (ASTM E1049-85, section
 5.4.4), which the package ``rainflow`` does (extra ``fatigue``).
-
-Which links can be judged for endurance, what is found of them, and what is said of it.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -19,7 +16,6 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import filled
-from flexmech.analyses.digits import plain
 from flexmech.analyses.requests import without_end
 from flexmech.analyses.strength.joint_loads import InternalForces
 from flexmech.analyses.strength.request import StrengthRequest
@@ -246,18 +242,12 @@ def _growth(fatigue: FatigueStrength, still: FloatArray, moving: FloatArray) -> 
     return np.asarray(np.where(too_much, 0.0, np.where(by_moving > 0, factor, np.inf)))
 
 
-COUNTED = (
-    "fatigue: normal stress of smooth links turn after turn, cycles by rainflow counting, mean "
-    "stress by Goodman's line (compression is no relief), life by Miner's sum; its load factor "
-    "multiplies all loads, those that stay over the turn too. Notches, holes, welds and surface "
-    "count as far as the stated endurance has them"
-)
 COMPOSITES = "fatigue of composites is not judged"
 # Between crank angles: of a stress that turns with the crank, samples so far apart miss 3 % of the
 # peak.
 _WIDEST = np.radians(30.0)
-# Of a turn at 1 rad/s.
-_HOURS = 2 * math.pi / 3600
+# Cycles and limit of a link that is not judged.
+_NONE = (np.nan, np.nan)
 _OF_PLACES = {
     "fatigue_load_factor": "load_factor",
     "fatigue_speed_factor": "speed_factor",
@@ -376,26 +366,22 @@ class EnduringLinks:
         if not self.strengths:
             return {}
         links, like = dataset["link"].values.tolist(), dataset["load_factor"]
-        numbers = {links.index(name): one for name, one in found.items()}
-        stated = {links.index(name): one.limit for name, one in self.strengths.items()}
 
-        def of_places(values: Mapping[int, FloatArray]) -> Any:
-            entries = (((0, link), value) for link, value in values.items())
+        def of_places(values: Mapping[str, FloatArray]) -> Any:
+            entries = (((0, links.index(name)), value) for name, value in values.items())
             return like.dims, filled(like.shape, entries)
 
-        def of_links(number: int) -> Any:
-            return "link", filled(
-                (len(links),), (((link,), limit[number]) for link, limit in stated.items())
-            )
-
+        of_endurance = {
+            name: of_places({link: getattr(one, field) for link, one in found.items()})
+            for name, field in _OF_PLACES.items()
+        }
+        limits = [self.strengths[link].limit if link in self.strengths else _NONE for link in links]
+        cycles, limit = np.array(limits).T
         return {
-            **{
-                name: of_places({link: getattr(one, field) for link, one in numbers.items()})
-                for name, field in _OF_PLACES.items()
-            },
-            "peak_angle": of_places({link: angles[one.peak] for link, one in numbers.items()}),
-            "endurance_cycles": of_links(0),
-            "endurance_limit": of_links(1),
+            **of_endurance,
+            "peak_angle": of_places({link: angles[one.peak] for link, one in found.items()}),
+            "endurance_cycles": ("link", cycles),
+            "endurance_limit": ("link", limit),
         }
 
 
@@ -418,85 +404,6 @@ def covers_a_turn(crank_angles: FloatArray) -> bool:
     left, widest = 2 * np.pi - (crank_angles[-1] - crank_angles[0]), np.diff(crank_angles).max()
     rounding = 1 + ROUND_OFF
     return bool(left <= widest * rounding + ROUND_OFF and widest <= _WIDEST * rounding)
-
-
-def endurance_lines(data: xr.Dataset) -> list[str]:
-    """What the stress of each link does turn after turn, and what was left out.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of strength.
-
-    Returns
-    -------
-    list of str
-    """
-    lines = str(data.attrs.get("fatigue_left_out", "")).splitlines()
-    if "fatigue_load_factor" not in data:
-        return lines
-    kinds, parts = (data[f"margin_{name}"].values for name in ("kind", "part"))
-    for link in parts[kinds == "fatigue"].tolist():
-        own = data.sel(link=link)
-        at = own["fatigue_load_factor"].argmin(...)
-        worst = own.isel(at)
-        swing, mean, limit = (
-            plain(1e-6 * float(worst[name]))
-            for name in ("stress_amplitude", "mean_stress", "endurance_limit")
-        )
-        lines.append(
-            f"fatigue of {link}: stress amplitude {swing} MPa about {mean} MPa, load factor to "
-            f"{limit} MPa at {plain(float(worst['endurance_cycles']))} cycles; "
-            f"{life_text(data, link) or _endless(data, link)}"
-        )
-    return [COUNTED, *lines]
-
-
-def fewest_turns(data: xr.Dataset, link: str) -> float:
-    """Turns after which a link fails at its worst place, by whatever engine.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of strength, with ``turns_to_failure``.
-    link : str
-
-    Returns
-    -------
-    float
-        Infinite where it never fails; not a number where no S-N line tells of one of its places.
-    """
-    own = data.sel(link=link)
-    judged = own["fatigue_load_factor"].notnull().values
-    return float(own["turns_to_failure"].values[judged].min())
-
-
-def life_text(data: xr.Dataset, link: str) -> str:
-    """After how many turns a link fails, and how long they take.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of strength, with ``turns_to_failure``.
-    link : str
-
-    Returns
-    -------
-    str
-        Empty where it never fails, or no S-N line tells.
-    """
-    turns, speed = fewest_turns(data, link), float(data.attrs["crank_speed"])
-    if not math.isfinite(turns):
-        return ""
-    lasting = f"it fails after {turns:.3g} turns"
-    return f"{lasting}, {turns * _HOURS / abs(speed):.3g} h at this speed" if speed else lasting
-
-
-def _endless(data: xr.Dataset, link: str) -> str:
-    """Why there are no turns to failure of a link."""
-    if math.isinf(fewest_turns(data, link)):
-        return "no turn brings it nearer to failure"
-    return "its turns to failure need an S-N line: state basquin_exponent or sn_points"
 
 
 def _only_material(layers: Layers) -> Material | None:

@@ -1,8 +1,7 @@
-"""What loads links and joints over the turn, and how fast links turn against each other.
+"""Internal and joint forces over the turn, at crank angles to which further ones can be added.
 
-Tension, shear force and bending moment at places along every link over the turn.
-
-Loads of rigid links, equilibria and runs, at crank angles to which further ones can be added.
+Tension, shear force and bending moment at places along every link, forces in the joints, and how
+fast links turn against each other: of rigid links, of equilibria and of runs.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""One link judged: its ply stresses over the turn, failure indices, load and speed factors.
+"""Links judged: ply stresses over the turn, failure indices, load and speed factors.
 
-All that judging a mechanism needs besides its internal forces, found once.
+What judging a mechanism needs besides its internal forces is found once.
 """
 
 from __future__ import annotations

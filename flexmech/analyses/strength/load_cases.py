@@ -1,7 +1,4 @@
-"""Loads of elastic links at rest in their frames: at each crank angle's nonlinear equilibrium.
-
-Loads of elastic links and of their joints, by an engine that runs them.
-"""
+"""Loads of elastic links: at nonlinear equilibria at rest in their frames, or of engines' runs."""
 
 from __future__ import annotations
 

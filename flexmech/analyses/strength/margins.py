@@ -8,7 +8,7 @@ A further kind is a word in :data:`KINDS` and one more list of rows for :func:`m
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from operator import attrgetter
 from typing import Any
@@ -68,19 +68,24 @@ class Margin:
     layer: int = NO_LAYER
     surface: str = ""
 
+    @property
+    def name(self) -> str:
+        """What messages call the part, such as ``"pin A"``: no two of a mechanism are alike."""
+        return KINDS[self.kind].format(self.part)
 
-def part_name(part: str, kind: str) -> str:
-    """What messages call a part, such as ``"pin A"``: no two of a mechanism are called alike."""
-    return KINDS[kind].format(part)
+
+def margins_of(dataset: xr.Dataset) -> list[Margin]:
+    """Margins of a dataset of strength, in order."""
+    names = [field.name for field in fields(Margin)]
+    columns = (dataset[f"margin_{name}"].values.tolist() for name in names)
+    return [Margin(*row) for row in zip(*columns, strict=True)]
 
 
 def margin_names(dataset: xr.Dataset) -> list[str]:
-    """:func:`part_name` of every margin of a dataset, in order; of a second one with its mode."""
-    columns = (dataset[f"margin_{name}"].values.tolist() for name in ("part", "kind", "mode"))
+    """:attr:`Margin.name` of every margin of a dataset, in order; of a second one with its mode."""
     names: list[str] = []
-    for part, kind, mode in zip(*columns, strict=True):
-        name = part_name(part, kind)
-        names.append(f"{name}, {mode}" if name in names else name)
+    for one in margins_of(dataset):
+        names.append(f"{one.name}, {one.mode}" if one.name in names else one.name)
     return names
 
 
@@ -96,61 +101,48 @@ def margin_variables(*of_kinds: Sequence[Margin]) -> dict[str, Any]:
     }
 
 
-def link_margins(dataset: xr.Dataset) -> list[Margin]:
+def link_margins(dataset: xr.Dataset, kind: str = "link") -> list[Margin]:
     """Margin of each judged link, at its worst place by whatever engine.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of strength.
+        Of strength; without endurance it has no margins of fatigue.
+    kind : {"link", "fatigue"}
+        By the criteria of its layers, or by the endurance of its material, which counts at the
+        crank angle of the greatest stress.
 
     Returns
     -------
     list of Margin
     """
-    return [
-        Margin(
-            part=name,
-            kind="link",
-            load_factor=float(worst["load_factor"]),
-            speed_factor=_least(own["speed_factor"]),
-            crank_angle=float(worst["worst_angle"]),
-            mode=str(worst["failure_mode"].item()),
-            index=float(worst["failure_index"]),
-            **_place(worst),
+    tires, rows = kind == "fatigue", []
+    load, speed = (f"{'fatigue_' * tires}{name}_factor" for name in ("load", "speed"))
+    for link in dataset["link"].values.tolist() if load in dataset else ():
+        own = dataset.sel(link=link)
+        factor = own[load]
+        if bool(factor.isnull().all()):
+            continue
+        places = np.unravel_index(np.nanargmin(factor.values), factor.shape)
+        worst = own.isel(dict(zip(factor.dims, places, strict=True)))
+        position, surface = float(worst["position"]), str(worst["surface"].item())
+        least, speeds = float(worst[load]), own[speed].values
+        rows.append(
+            Margin(
+                part=link,
+                kind=kind,
+                load_factor=least,
+                speed_factor=math.nan if np.isnan(speeds).all() else float(np.nanmin(speeds)),
+                where=f"{plain(_MM * position)} mm from its start, {surface} surface",
+                crank_angle=float(worst["peak_angle" if tires else "worst_angle"]),
+                mode="fatigue" if tires else str(worst["failure_mode"].item()),
+                index=1 / least if tires else float(worst["failure_index"]),
+                position=position,
+                layer=int(worst["layer"]),
+                surface=surface,
+            )
         )
-        for name, own, worst in _worst_places(dataset, "load_factor")
-    ]
-
-
-def fatigue_margins(dataset: xr.Dataset) -> list[Margin]:
-    """Margin of each link that is judged for endurance, at its worst place by whatever engine.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of strength; without endurance it has no such margin.
-
-    Returns
-    -------
-    list of Margin
-        At the crank angle of the greatest stress.
-    """
-    if "fatigue_load_factor" not in dataset:
-        return []
-    return [
-        Margin(
-            part=name,
-            kind="fatigue",
-            load_factor=float(worst["fatigue_load_factor"]),
-            speed_factor=_least(own["fatigue_speed_factor"]),
-            crank_angle=float(worst["peak_angle"]),
-            mode="fatigue",
-            index=1 / float(worst["fatigue_load_factor"]),
-            **_place(worst),
-        )
-        for name, own, worst in _worst_places(dataset, "fatigue_load_factor")
-    ]
+    return rows
 
 
 @dataclass(frozen=True)
@@ -236,7 +228,7 @@ def failures_of(
     Parameters
     ----------
     speed_factors : mapping of str to float
-        Of parts by :func:`part_name`.
+        Of parts by :attr:`Margin.name`.
     weakest : mapping of float to mapping of str to int
         :func:`weakest_checks` by the factor of the crank speed: the nearest one tells.
 
@@ -246,7 +238,7 @@ def failures_of(
     """
     found = {}
     for joint in next(iter(weakest.values())):
-        factor = speed_factors.get(part_name(joint, "pin"), math.nan)
+        factor = speed_factors.get(KINDS["pin"].format(joint), math.nan)
         if math.isfinite(factor):
             apart = {abs(own - factor): own for own in weakest}
             near = apart[min(apart)]
@@ -268,27 +260,3 @@ def _pin_margin(dataset: xr.Dataset, engine: int, check: int, speed_factor: floa
         mode=str(own["pin_mode"].item()),
         index=float(own["pin_stress"] / own["pin_allowable"]),
     )
-
-
-def _worst_places(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset, xr.Dataset]]:
-    """Links with a least factor of a name, what is found of them, and that at its place."""
-    for link in dataset["link"].values.tolist():
-        own = dataset.sel(link=link)
-        factor = own[name]
-        if not bool(factor.isnull().all()):
-            places = np.unravel_index(np.nanargmin(factor.values), factor.shape)
-            yield link, own, own.isel(dict(zip(factor.dims, places, strict=True)))
-
-
-def _place(worst: xr.Dataset) -> dict[str, Any]:
-    """Where on its link a margin is."""
-    position, surface = float(worst["position"]), str(worst["surface"].item())
-    where = f"{plain(_MM * position)} mm from its start, {surface} surface"
-    layer = int(worst["layer"])
-    return {"where": where, "position": position, "layer": layer, "surface": surface}
-
-
-def _least(factors: xr.DataArray) -> float:
-    """Least of the factors that are numbers; not a number where none is."""
-    known = factors.values[~np.isnan(factors.values)]
-    return float(known.min(initial=math.inf)) if known.size else math.nan

@@ -1,18 +1,13 @@
-"""What a mechanism states of its pins, and which checks follow from it or are left out.
-
-By what factor the speed may rise where a part of a pin's force grows with its square.
-
-The force at s times the speed is F0 + s^2 F1: what acts at rest, and inertia. Vectors are over what
-is allowed, so that their bound is 1.
-
-Stresses of pins and of the eyes around them, and what wears a bush.
+"""Pins, the eyes around them and bushes: which checks a mechanism's data allow, and factors.
 
 Shigley's *Mechanical Engineering Design*, 9th ed.: sec. 8-12 on joints loaded in shear (bearing,
 tension of the net section, shear-out of the edge), sec. 12-15 on boundary-lubricated bushes.
 Stresses are mean ones of their areas: the concentration at the hole's edge and Hertz's pressure are
-not in them. All functions take scalars or arrays of one shape.
+not in them.
 
-Pins judged: their stresses over the turn, load and speed factors.
+The speed may rise until what a check counts reaches its bound. The force at s times the speed is
+F0 + s^2 F1: what acts at rest, and inertia; vectors are over what is allowed, so that the bound is
+1. Functions of forces take scalars or arrays of one shape.
 """
 
 from __future__ import annotations

@@ -1,7 +1,5 @@
 """Where each part of a mechanism is weakest, and where between samples it is weaker still.
 
-Loads at the crank angles and places where parts are weakest, sought between samples.
-
 Samples stand no farther apart than five degrees of the crank and a thirty-second of a link. Round
 by round the vertices of the parabolas through the least factor of each part and its neighbours,
 over the crank angle and along the link, are sampled too.
