@@ -226,7 +226,7 @@ def test_both_deflect_alike_in_periodic_motion(prestress: Any, name: str, make: 
 
     def peaks(engine: Any) -> dict[str, float]:
         drive = ConstantSpeed(8.0)
-        linkage = DrivenLinkage(engine, drive, prestress, modes=1, with_energy=False)
+        linkage = DrivenLinkage(engine, drive, prestress, modes=1)
         found = np.abs(deflections(engine, periodic_turn(linkage, 720))).max(axis=0)
         return dict(zip(engine.mechanism.linkage.topology.link_names, found, strict=True))
 

@@ -341,7 +341,6 @@ class _InLinkFrames(_Stops):
             drive,
             prestress,
             modes=self._request.modes,
-            with_energy=False,
             stretches=stretches,
         )
         per_period = _STEPS_WHERE_LINKS_STRETCH if stretches else STEPS_PER_PERIOD
