@@ -141,7 +141,7 @@ class RunningForces:
         """
         engine, displacement = self._engine, [q for q, _, _ in moving]
         z = self.frames.independent(self.motion, [q[..., None] for q in displacement])[..., 0]
-        stressed = engine.running_links(self.motion, displacement)
+        stressed = engine.running_links(self.whole, displacement)
         loads, springs = self.pushes(moving)
         forces = self.inertia_and_loads(moving, loads)
         forces = self.out_of_balance(stressed, moving, forces, springs)
@@ -453,7 +453,7 @@ class OrbitEquations:
             rate += self.first @ beyond[-1]
             change += self.second @ beyond[-1]
         displacement, frames = [q for q, _, _ in moving], self._frames_at(ties)
-        stressed = self.engine.running_links(self.motion, displacement)
+        stressed = self.engine.running_links(running.whole, displacement)
         connected = self._connected(displacement, frames)
         loads, springs = running.pushes(moving)
         forces, rows = running.inertia_and_loads(moving, loads), []
