@@ -309,6 +309,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
             fields=part.fields,
             vectors=np.stack([x, y]),
             uncounted_rotary_inertia=0.0 if kind.has_angles else link_mass.rotary_inertia,
+            vector_map=part.node_map if len(part.stretches) else None,
         )
         models.append(link.carrying(link_mass))
     return tuple(models)

@@ -156,6 +156,24 @@ class NodeMap(ABC):
         gradient = self.gradient(self.of_axis(nodes[..., self.at]))
         return self._rates(np.asarray(np.linalg.inv(gradient), dtype=float), rate)
 
+    def acceleration_to_nodes(
+        self, axis: FloatArray, rate: FloatArray, acceleration: FloatArray
+    ) -> FloatArray:
+        """Accelerations of the nodes.
+
+        Parameters
+        ----------
+        axis, rate, acceleration : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        moved, at = self.rate_to_nodes(axis, acceleration), self.at
+        turning = self.gradient_rate(axis[..., at], rate[..., at])
+        moved[..., at] += (turning @ rate[..., at, None])[..., 0]
+        return moved
+
     def force(self, axis: FloatArray, force: FloatArray) -> FloatArray:
         """Forces on the nodes' coordinates as those on the link's, ``J' f``.
 
@@ -199,9 +217,23 @@ class NodeMap(ABC):
         -------
         ndarray, shape (..., n, n)
         """
-        tangent, at = self.matrix(axis, stiffness), self.at
-        tangent[..., at[:, :, None], at[:, None]] += self.curvature(axis[..., at], force[..., at])
-        return tangent
+        return self.matrix(axis, stiffness) + self.geometric_stiffness(axis, force)
+
+    def geometric_stiffness(self, axis: FloatArray, force: FloatArray) -> FloatArray:
+        """Second derivative of the work of constant forces on the nodes by the link's coordinates.
+
+        Parameters
+        ----------
+        axis, force : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        stiffness, at = np.zeros((*axis.shape, axis.shape[-1])), self.at
+        curvature = self.curvature(axis[..., at], force[..., at])
+        stiffness[..., at[:, :, None], at[:, None]] = curvature
+        return stiffness
 
     def damping_stiffness(
         self, axis: FloatArray, rate: FloatArray, stiffness: FloatArray, damping: FloatArray

@@ -410,20 +410,18 @@ def _link_damping(moving: MovingModes) -> tuple[FourierSeries, ...]:
 def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[FloatArray]:
     """Loads (N, n_link) on each reduced link for displacements from the straight link.
 
-    Near a stressed state the internal force is not the tangent times the displacement: the
-    difference at that state is part of the load.
+    Near a stressed state they are what the tangents make of its displacement: internal forces
+    balance the loads there, up to joint forces and to what a constant displacement adds to inertia.
     """
-    displacement, internal = stressed.displacement, stressed.internal_force
-    forces = engine.connectors.with_inertia(engine.links, turn.motion, displacement)
-    if displacement is not None:
-        if internal is None:
-            internal = engine.equilibrium_forces(turn.motion, displacement)
-        forces = [
-            (tangent @ q[..., None])[..., 0] + (load - force)
-            for tangent, q, load, force in zip(
-                stressed.tangent, displacement, forces, internal, strict=True
-            )
-        ]
+    displacement = stressed.displacement
+    if displacement is None:
+        forces = engine.connectors.with_inertia(engine.links, turn.motion)
+    else:
+        pairs = zip(stressed.tangent, displacement, strict=True)
+        forces = [(tangent @ q[..., None])[..., 0] for tangent, q in pairs]
+        if (inertia := engine.displaced_inertia(turn.motion)) is not None:
+            moved = inertia.forces(displacement)
+            forces = [force - more for force, more in zip(forces, moved, strict=True)]
     return [force @ basis for force, basis in zip(forces, turn.bases, strict=True)]
 
 

@@ -10,9 +10,12 @@ damping enters. At all samples together ::
 with the inertia of the links in their turning frames (all rotation terms), f the inertia forces of
 the rigid motion, the weight, and the forces of loads, springs and dampers at the displaced links,
 f_int the engine's own internal forces at large displacements and D its Kelvin-Voigt damping.
-Inertia is linear in the displacements, but for bodies and rigid links, whose arms rotate by finite
-angles. That is exact for Exudyn's cables, whose coordinates are vectors; sections have the inertia
-of small rotations against their link frame. N is the derivative of the links' coordinates q by the
+Inertia is linear in displacements and slope vectors, but for bodies and rigid links, whose arms
+rotate by finite angles. That is exact for Exudyn's cables. Where the length and the angle of a
+slope are coordinates in place of its vector, x(q), the inertia forces F of these vectors are
+``J' F(x, x', x'')`` with ``J = dx/dq``, and F times the second derivative of x belongs to the
+stiffness (:class:`flexmech.mechanics.links.link_model.VectorMap`). Sections have the inertia of
+small rotations against their link frame. N is the derivative of the links' coordinates q by the
 independent ones z. Both are linear, but for rigid links and sliders, whose constraints hold at
 finite displacements.
 
@@ -141,7 +144,7 @@ class RunningForces:
         """
         engine, displacement = self._engine, [q for q, _, _ in moving]
         z = self.frames.independent(self.motion, [q[..., None] for q in displacement])[..., 0]
-        stressed = engine.running_links(self.motion, displacement)
+        stressed = engine.running_links(self.whole, displacement)
         loads, springs = self.pushes(moving)
         forces = self.inertia_and_loads(moving, loads)
         forces = self.out_of_balance(stressed, moving, forces, springs)
@@ -182,17 +185,35 @@ class RunningForces:
             As of :meth:`stressed`.
         loads : sequence of PointForce
         """
-        forces, motion, gravity = [], self.whole, self._engine.mechanism.gravity
+        forces, given = [], (self.whole, self._engine.mechanism.gravity)
         for number, link in enumerate(self._engine.links):
-            elastic = moving[number]
-            link_motion = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
-            force = self._inertias[number].shape_forces(link_motion)
+            force = self._distributed_inertia(number, moving)
+            if link.vector_map is not None:
+                force = link.vector_map.force(moving[number][0], force)
             for body in link.bodies:
-                moved = (x @ body.rows.T for x in elastic)
-                force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
+                moved = (x @ body.rows.T for x in moving[number])
+                force += body.inertia_in_motion(given[0], number, given[1], *moved) @ body.rows
             forces.append(force)
         self._subtract(loads, forces, moving)
         return forces
+
+    def _distributed_inertia(self, number: int, moving: LinkMotion) -> FloatArray:
+        """Inertia forces (N, n_link) less weight on a link without its bodies.
+
+        On its vector coordinates, by which they are linear.
+        """
+        link, (q, rate, change) = self._engine.links[number], moving[number]
+        motion, gravity = self.whole, self._engine.mechanism.gravity
+        if (vectors := link.vector_map) is not None:
+            change = vectors.acceleration_to_nodes(q, rate, change)
+            q, rate = vectors.to_nodes(q), vectors.rate_to_nodes(q, rate)
+        elastic = q, rate, change
+        link_motion = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
+        force = self._inertias[number].shape_forces(link_motion)
+        for body in link.bodies:
+            moved = (x @ body.rows.T for x in elastic)
+            force -= body.linear_inertia(motion, number, gravity, *moved) @ body.rows
+        return force
 
     def out_of_balance(
         self,
@@ -257,6 +278,10 @@ class RunningForces:
         by_rotation, tangent = {}, dict(enumerate(stressed.tangent))
         gravity = self._engine.mechanism.gravity
         for number, link in enumerate(self._engine.links):
+            if link.vector_map is not None:
+                turning = self._distributed_inertia(number, moving)
+                turned = link.vector_map.geometric_stiffness(moving[number][0], turning)
+                tangent[number] = tangent[number] + turned
             for body in link.bodies:
                 moved = (x @ body.rows.T for x in moving[number])
                 stiffness = body.rotation_stiffness(self.whole, number, gravity, *moved)
@@ -453,7 +478,7 @@ class OrbitEquations:
             rate += self.first @ beyond[-1]
             change += self.second @ beyond[-1]
         displacement, frames = [q for q, _, _ in moving], self._frames_at(ties)
-        stressed = self.engine.running_links(self.motion, displacement)
+        stressed = self.engine.running_links(running.whole, displacement)
         connected = self._connected(displacement, frames)
         loads, springs = running.pushes(moving)
         forces, rows = running.inertia_and_loads(moving, loads), []

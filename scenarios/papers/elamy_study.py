@@ -189,7 +189,7 @@ def _in_motion(asked: tuple[str, str, int], make_engine: MakeEngine) -> pd.DataF
     engine = make_engine(mechanism, 4, "euler").fit_for(1)
     at_rest = flexmech.natural_frequencies(engine, position_angles(published_case(case)), modes=1)
     drive = flexmech.ConstantSpeed(CRANK_SPEED)
-    linkage = DrivenLinkage(engine, drive, "none", modes=1, detail=2.0, with_energy=False)
+    linkage = DrivenLinkage(engine, drive, "none", modes=1, detail=2.0)
     steps = max(720, int(np.ceil(40 * at_rest.max() * drive.revolution_time)))
     peaks = {
         "peak_torque": np.abs(rigid.driving_torque).max(),

@@ -93,9 +93,7 @@ def test_periodic_motion_against_settling(aluminium, against):
     against(
         f"periodic motion against Exudyn's {turns:.0f} turns until 1 % of the start is left",
         lambda: periodic_turn(
-            DrivenLinkage(
-                ReferenceEngine(mechanism, 8), DRIVE, "equilibrium", detail=2.0, with_energy=False
-            ),
+            DrivenLinkage(ReferenceEngine(mechanism, 8), DRIVE, "equilibrium", detail=2.0),
             960,
         ),
         lambda: exudyn_run(mechanism, 8, 2),

@@ -225,7 +225,7 @@ def test_periodic_motions_of_both_engines_peak_alike(name: str) -> None:
     for speed in (one.speed / 2, one.speed):
         drive, peaks = ConstantSpeed(speed), []
         for engine in one.engines(4):
-            linkage = DrivenLinkage(engine, drive, "equilibrium", modes=1, with_energy=False)
+            linkage = DrivenLinkage(engine, drive, "equilibrium", modes=1)
             peaks.append(np.abs(deflections(engine, periodic_turn(linkage, 720))).max(axis=0))
         np.testing.assert_allclose(peaks[1], peaks[0], atol=2e-4 * peaks[0].max())
 

@@ -314,9 +314,7 @@ def amplitudes_after_stop(engine: Engine, drive: Drive, modes: int) -> FloatArra
     start: Start = "equilibrium" if engine.mechanism.is_free_strained else "rigid"
     request = ResponseRequest(drive, modes=modes, start=start)
     stretches = stretches_in_runs(engine, request.prestress)
-    linkage = DrivenLinkage(
-        engine, drive, request.prestress, modes=modes, with_energy=False, stretches=stretches
-    )
+    linkage = DrivenLinkage(engine, drive, request.prestress, modes=modes, stretches=stretches)
     per_period = _STEPS_WHERE_LINKS_STRETCH if stretches else STEPS_PER_PERIOD
     highest = planned([engine], request).highest
     steps = max(1, math.ceil(drive.law_time * highest * per_period))

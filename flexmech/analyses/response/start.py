@@ -195,9 +195,7 @@ class _PeriodicMotion:
         """Find it, and its motion for a moment; a motor turns the shaft as its run says."""
         if isinstance(request.drive, MotorRun):
             engine = engine.with_(shaft="prescribed")
-        linkage = DrivenLinkage(
-            engine, request.drive, request.prestress, modes=request.modes, with_energy=False
-        )
+        linkage = DrivenLinkage(engine, request.drive, request.prestress, modes=request.modes)
         first = periodic_state(linkage, _steps_of_a_turn(request, step))
         time = _start_times(request.drive)
         after = time[:, None]
@@ -274,7 +272,7 @@ def frame_at_rest(engine: Engine, drive: Drive, begin: float = 0.0) -> FrameMoti
     time, torque = begin + _start_times(drive), None
     if engine.shaft == "free" and isinstance(drive, MotorRun):
         torque = MotorPasses(drive).torque_along(time)
-    linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False, shaft_torque=torque)
+    linkage = DrivenLinkage(engine, drive, "equilibrium", shaft_torque=torque)
     place = linkage.quasi_static_equations(time).quasi_static(
         constrained=linkage.shaft_coordinates
     )[:, -COORDINATES:]

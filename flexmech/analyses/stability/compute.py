@@ -455,7 +455,6 @@ def _motion_distance(engine: Engine, request: StabilityRequest) -> float:
             *(prescribed, ConstantSpeed(speed), "equilibrium"),
             modes=request.modes,
             detail=MOTION_DETAIL,
-            with_energy=False,
         )
         moved, still = (
             deflections(prescribed, turn(linkage, MOTION_STEPS))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Self
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,6 +123,31 @@ class EndMatrices:
     readings: LinkReadings
 
 
+class VectorMap(Protocol):
+    """Map from the coordinates q of a link to those x by which its inertia is linear; (B, n) each.
+
+    Displacements and slope vectors: coordinates of an element without rotations, some of which q
+    replaces by the length and the angle of a slope.
+    """
+
+    def to_nodes(self, axis: FloatArray) -> FloatArray:
+        """Coordinates x."""
+
+    def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
+        """Time derivative ``x'`` by that of q."""
+
+    def acceleration_to_nodes(
+        self, axis: FloatArray, rate: FloatArray, acceleration: FloatArray
+    ) -> FloatArray:
+        """Second time derivative ``x''`` by those of q."""
+
+    def force(self, axis: FloatArray, force: FloatArray) -> FloatArray:
+        """Forces on x as those on q."""
+
+    def geometric_stiffness(self, axis: FloatArray, force: FloatArray) -> FloatArray:
+        """Second derivative by q of the work of constant forces on x, (B, n, n)."""
+
+
 @dataclass(frozen=True, eq=False)
 class LinkModel:
     """Matrices of one link in the coordinates q of its link frame.
@@ -175,6 +200,9 @@ class LinkModel:
         Part of the straight link's matrices. A rigid link is one, mass off the axis one a node.
     uncounted_rotary_inertia : float
         Of sections, kg m, that ``mass`` leaves out; see ``rigid_inertia`` in ``link_inertia``.
+    vector_map : VectorMap, optional
+        Of the unreduced link, whose matrices are those of small displacements: to coordinates by
+        which its inertia is linear at finite ones, where these are others.
     """
 
     name: str
@@ -199,6 +227,7 @@ class LinkModel:
     rigid: bool = False
     bodies: tuple[RigidBody, ...] = ()
     uncounted_rotary_inertia: float | FloatArray = 0.0
+    vector_map: VectorMap | None = None
 
     def carrying(self, mass: LinkMass) -> LinkModel:
         """The unreduced link with attached bodies, and with its mass off the axis as bodies.
@@ -403,6 +432,7 @@ class LinkModel:
             receding=np.flatnonzero(size[self.receding].any(axis=0)),
             reduced_ends=ends,
             bodies=tuple(body.projected(basis, unit) for body in self.bodies),
+            vector_map=None,
         )
 
 

@@ -300,7 +300,7 @@ class RigidBody:
         spin = speed + rate[:, 2]
         return np.asarray(by_q[:, 2, 2] + self.translational_inertia * spin**2)
 
-    def nonlinear_inertia(
+    def inertia_in_motion(
         self,
         motion: RigidMotion,
         link: int,
@@ -309,7 +309,7 @@ class RigidBody:
         rate: FloatArray,
         acceleration: FloatArray,
     ) -> FloatArray:
-        """Nonlinear part of its inertia and weight at finite displacements.
+        """Inertia force less weight, with opposite sign, in a motion of its link.
 
         Parameters
         ----------
@@ -325,18 +325,46 @@ class RigidBody:
         Returns
         -------
         ndarray, shape (B, 3)
-            Force on the point and moment about it: :meth:`inertia` less the part of
-            :meth:`matrices` of the straight link and of the load on it.
+            Force on the point and moment about it.
         """
         speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
-        given, zero = (speed, change, self.net_acceleration(motion, link, gravity)), 0.0 * moved
-        straight = self.inertia(*given, zero, zero, zero)[0]
+        net = self.net_acceleration(motion, link, gravity)
+        return self.inertia(speed, change, net, moved, rate, acceleration)[0]
+
+    def linear_inertia(
+        self,
+        motion: RigidMotion,
+        link: int,
+        gravity: tuple[float, float],
+        moved: FloatArray,
+        rate: FloatArray,
+        acceleration: FloatArray,
+    ) -> FloatArray:
+        """Part of :meth:`inertia_in_motion` that is linear in its displacement.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        link : int
+            Number of the link.
+        gravity : tuple of float
+            In ground axes, m/s^2.
+        moved, rate, acceleration : ndarray, shape (B, 3)
+            As of :meth:`inertia`.
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+            By :meth:`matrices` of the straight link, and the load on that.
+        """
+        speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
+        straight = self.inertia_in_motion(motion, link, gravity, *3 * [np.zeros_like(moved)])
         mass, gyroscopic, centrifugal = self.matrices(np.zeros(()))
         turned = 2 * speed[:, None] * rate + change[:, None] * moved
         linear = acceleration @ mass + turned @ gyroscopic.T
         linear -= speed[:, None] ** 2 * moved @ centrifugal
-        found = self.inertia(*given, moved, rate, acceleration)[0]
-        return np.asarray(found - straight - linear)
+        return np.asarray(straight + linear)
 
     def displaced_inertia(
         self, speed: FloatArray, change: FloatArray, q: FloatArray

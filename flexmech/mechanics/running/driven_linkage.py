@@ -337,8 +337,6 @@ class DrivenLinkage:
         Number of natural frequencies for which the reduction is accurate.
     detail : float
         Multiplies the frequency up to which component modes are kept.
-    with_energy : bool
-        Whether energies and joint forces are needed.
     stretches : bool
         Let straight links stretch in place of a prestress; see :func:`stretches_in_runs`.
     shaft_torque : ShaftTorque, optional
@@ -377,7 +375,6 @@ class DrivenLinkage:
         *,
         modes: int = MODES,
         detail: float = DETAIL,
-        with_energy: bool = True,
         stretches: bool = False,
         shaft_torque: ShaftTorque | None = None,
     ) -> None:
@@ -414,7 +411,6 @@ class DrivenLinkage:
             self.run_bases,
             drive,
             "none" if stretches and not turns_far else prestress,
-            with_energy=with_energy,
             equilibrium_of=self.bases if turns_far else None,
         )
 
@@ -496,9 +492,7 @@ class DrivenLinkage:
         Equations
         """
         motion, stress = self.motion(time), self.stress.at(time)
-        force, torque = np.zeros((len(time), self.frames.size)), None
-        if self.stress.has_internal_forces:
-            force += self.frames.gather(motion, self.loads(motion))
+        force, torque = self.frames.gather(motion, self.loads(motion)), None
         if self.connectors.any:
             force += self.connectors.force(motion, time, tables=tables)
         if self.shaft is not None:

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import Drive, RigidMotion
+from flexmech.linkages import Drive
 from flexmech.mechanics import (
     Engine,
     LinkModel,
@@ -130,19 +130,9 @@ class StressHistory:
         From each reduced link's coordinates to its full ones.
     drive : Drive
     prestress : {"none", "axial", "equilibrium"}
-    with_energy : bool
-        Whether the potential's part that does not depend on the links' coordinates is
-        needed, for which an engine must provide its internal forces.
     equilibrium_of : sequence of ndarray, shape (n_engine, n), optional
         Basis of each link's coordinates in the engine's, of links with second-order stretch: the
         stress is the internal force at the equilibrium less that of the stretch.
-
-    Attributes
-    ----------
-    has_internal_forces : bool
-        Whether ``prestress`` contains the internal forces of the stressed state. If not it
-        is ``-stiffness @ displacement`` and the inertia forces of that displacement alone, and
-        the loads that they balance must be left out with them.
 
     Raises
     ------
@@ -160,7 +150,6 @@ class StressHistory:
         drive: Drive,
         prestress: Prestress,
         *,
-        with_energy: bool = True,
         equilibrium_of: Sequence[FloatArray] | None = None,
     ) -> None:
         self._engine, self._links = engine, tuple(links)
@@ -168,8 +157,6 @@ class StressHistory:
         self._bases = tuple(bases)
         self._drive = drive
         self._prestress = prestress
-        self._with_energy = with_energy
-        self.has_internal_forces = True
         # Damping changes with the stress only where links are bowed.
         damped = any(link.damping.any() for link in links)
         self._damping_varies = damped and prestress == "equilibrium" and equilibrium_of is None
@@ -259,26 +246,20 @@ class StressHistory:
         linkage = self._engine.mechanism.linkage
         motion_of = [np.broadcast_to(v, angle.shape) for v in (angle, speed, acceleration)]
         stresses, forces, places = [], [], []
-        has_arms = any(link.attached_off_axis for link in self._engine.links)
         for batch in self._engine.batches(len(angle)):
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
             if self._equilibrium_of is not None:
                 stresses.append(self._equilibrium_correction(stressed, self._equilibrium_of))
                 continue
-            if has_arms and not self._with_energy:
-                # They balance the loads on arms that are displaced.
-                stressed = replace(stressed, internal_force=None)
-            displacement, force = stressed.displacement, stressed.internal_force
-            if displacement is not None and force is None and self._engine.connectors.any:
+            if (displacement := stressed.displacement) is not None:
+                # Internal forces balance the loads on arms that are displaced and turned, and the
+                # equations have those on straight links: what balances these is without residual.
                 force = self._engine.equilibrium_forces(motion, displacement)
                 stressed = replace(stressed, internal_force=force)
-            stresses.append(self._stresses(stressed, motion))
-            if stressed.displacement is not None and stressed.internal_force is None:
-                self.has_internal_forces = False
-            if self._with_energy and stressed.internal_force is not None:
-                forces.append(np.concatenate(stressed.internal_force, axis=1))
-                places.append(np.concatenate(stressed.displacement or [], axis=1))
+                forces.append(np.concatenate(force, axis=1))
+                places.append(np.concatenate(displacement, axis=1))
+            stresses.append(self._stresses(stressed))
         values = [np.concatenate(x) for x in zip(*stresses, strict=True)]
         if forces:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
@@ -312,28 +293,21 @@ class StressHistory:
             parts += [stiff, correction, np.zeros(batch)]
         return [*parts, np.zeros((batch, 0))]
 
-    def _stresses(self, stressed: StressedLinks, motion: RigidMotion) -> list[FloatArray]:
+    def _stresses(self, stressed: StressedLinks) -> list[FloatArray]:
         """Stiffness, prestress, offset and varying damping of all links, of guides the stiffness.
 
         Each of shape (B, ...).
         """
-        parts, batch = [], len(motion.crank_angle)
-        inertia = None
-        if stressed.displacement is not None and stressed.internal_force is None:
-            displaced = self._engine.displaced_inertia(motion)
-            inertia = None if displaced is None else displaced.forces(stressed.displacement)
+        assert stressed.motion is not None
+        parts, batch = [], len(stressed.motion.crank_angle)
         for number, basis in enumerate(self._bases):
             tangent = stressed.tangent[number]
             prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros(batch)
-            if stressed.displacement is not None:
-                q = stressed.displacement[number]
+            if stressed.displacement is not None and stressed.internal_force is not None:
+                q, force = stressed.displacement[number], stressed.internal_force[number]
                 elastic = (tangent @ q[..., None])[..., 0]
-                force = stressed.internal_force
-                internal = inertia if force is None else force
-                prestress = ((0.0 if internal is None else internal[number]) - elastic) @ basis
-                offset = np.sum(q * elastic, axis=1) / 2
-                if force is not None:
-                    offset -= np.sum(q * force[number], axis=1)
+                prestress = (force - elastic) @ basis
+                offset = np.sum(q * (elastic / 2 - force), axis=1)
             stiffness = np.broadcast_to(basis.T @ tangent @ basis, (batch, *2 * basis.shape[1:]))
             parts += [stiffness, prestress, offset]
             if self._damping_varies:
