@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import ModelCheck, MoistureUptake, SectionProfiles
-from flexmech.analyses.check.section_profiles import property_table
+from flexmech.analyses.section_profile.compute import property_table
 from flexmech.arrays import FloatArray
 from flexmech.plots.picture import Curve, Pane, Picture
 from flexmech.plots.reading import names_of
