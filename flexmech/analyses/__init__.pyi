@@ -4,8 +4,6 @@ from .campbell.compute import CampbellDiagram as CampbellDiagram
 from .campbell.request import CampbellRequest as CampbellRequest
 from .check.compute import ModelCheck as ModelCheck
 from .check.compute import check_mechanism as check_mechanism
-from .check.section_profiles import SectionProfiles as SectionProfiles
-from .check.section_profiles import section_profiles as section_profiles
 from .comparison.compute import Comparison as Comparison
 from .comparison.compute import FittedValue as FittedValue
 from .comparison.compute import compare_with_record as compare_with_record
@@ -22,8 +20,6 @@ from .frequencies.result import MovingFrequencies as MovingFrequencies
 from .hammer.compute import HammerTest as HammerTest
 from .hammer.request import HammerRequest as HammerRequest
 from .hammer.request import RunningHammerRequest as RunningHammerRequest
-from .hammer.running import RunningHammerTest as RunningHammerTest
-from .hammer.running import running_hammer_test as running_hammer_test
 from .kinematics.request import KinematicsRequest as KinematicsRequest
 from .kinematics.result import Kinematics as Kinematics
 from .moisture.compute import MoistureUptake as MoistureUptake
@@ -35,6 +31,10 @@ from .response.residual_vibration import amplitudes_after_stop as amplitudes_aft
 from .response.result import Response as Response
 from .response.shaping import LawShaper as LawShaper
 from .result import Result as Result
+from .running_hammer.compute import RunningHammerTest as RunningHammerTest
+from .running_hammer.compute import running_hammer_test as running_hammer_test
+from .section_profile.compute import SectionProfiles as SectionProfiles
+from .section_profile.compute import section_profiles as section_profiles
 from .stability.compute import StabilityMap as StabilityMap
 from .stability.request import StabilityRequest as StabilityRequest
 from .strength.compute import Strength as Strength

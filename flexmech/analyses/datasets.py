@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cache
-from importlib import resources
 from importlib.metadata import version
 from operator import attrgetter
 from typing import Any, TypeVar
@@ -52,33 +50,6 @@ def provenance(engines: Sequence[Engine]) -> dict[str, str | int]:
     speeds = " ".join(map(repr, map(float, engines[0].mechanism.operating_speeds)))
     named = origin(engines[0].mechanism, *packages)
     return {**named, "elements": engines[0].elements, "operating_speeds": speeds}
-
-
-@cache
-def _variables(question: str) -> dict[str, list[str]]:
-    text = resources.files("flexmech.analyses").joinpath("variables.toml").read_text("utf-8")
-    known = tomllib.loads(text)
-    return {**known["common"], **known[question]}
-
-
-def with_units(dataset: xr.Dataset, question: str) -> xr.Dataset:
-    """The dataset, each of its variables with its unit and what it is in words.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Changed in place.
-    question : str
-        Folder of the analysis: a table of ``variables.toml``.
-
-    Returns
-    -------
-    xarray.Dataset
-    """
-    for name, (unit, long_name) in _variables(question).items():
-        if name in dataset.variables:
-            dataset[name].attrs.update(units=unit, long_name=long_name)
-    return dataset
 
 
 # In a radian.
@@ -276,23 +247,20 @@ def attributes_of(owner: object, *names: str) -> dict[str, Any]:
     return {name: getattr(owner, name) for name in names}
 
 
-def complex_parts(
-    name: str, dims: tuple[str, ...], values: NDArray[Any]
-) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
+def complex_parts(name: str, values: NDArray[Any]) -> dict[str, FloatArray]:
     """Variables for the real and the imaginary part: files hold real numbers alone.
 
     Parameters
     ----------
     name : str
         Of the variables, without ``_real`` and ``_imag``.
-    dims : tuple of str
     values : ndarray of complex
 
     Returns
     -------
-    dict of str to tuple
+    dict of str to ndarray
     """
-    return {f"{name}_real": (dims, values.real), f"{name}_imag": (dims, values.imag)}
+    return {f"{name}_real": values.real, f"{name}_imag": values.imag}
 
 
 def padded(rows: Sequence[FloatArray], size: int) -> FloatArray:

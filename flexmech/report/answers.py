@@ -16,7 +16,7 @@ from flexmech.analyses import (
     Summary,
 )
 from flexmech.analyses.digits import Quantity, rounded
-from flexmech.analyses.response.words import stress_words, yielding
+from flexmech.analyses.response.stresses import stress_words, yielding
 from flexmech.report.results import Results, speed_name, speed_unit_of
 from flexmech.studies import DesignSweep, Optimum, Uncertainty
 

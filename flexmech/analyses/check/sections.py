@@ -139,7 +139,7 @@ def section_dataset(sections: Mapping[str, BeamSection]) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        As of :class:`~flexmech.analyses.check.section_profiles.SectionProfiles`.
+        As of :class:`~flexmech.analyses.section_profile.compute.SectionProfiles`.
     """
     known = {name: one.layers for name, one in sections.items() if one.layers is not None}
     dataset = section_properties(sections)

@@ -1,13 +1,10 @@
-"""The hammer test of the locked linkage: records, frequency responses, and identified modes.
-
-The result of a hammer test: records, frequency responses, modes, tables and pictures.
-"""
+"""The virtual hammer test of the locked linkage: records, frequency responses, identified modes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -22,16 +19,15 @@ from flexmech.analyses.datasets import (
     complex_parts,
     padded,
     provenance,
-    table_of,
-    with_units,
 )
 from flexmech.analyses.hammer.measurement import Measurement, grid_points, measured
 from flexmech.analyses.hammer.plan import LEFT, LockedLinkage, RecordPlan, planned_record
 from flexmech.analyses.hammer.request import HammerRequest, middle_of
-from flexmech.analyses.hammer.uff import geometry_variables, uff_contents
+from flexmech.analyses.hammer.uff import link_places, uff_contents
 from flexmech.analyses.hammer.words import hammer_summary
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.result import Result
+from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import Summary, left_out_attributes
 from flexmech.arrays import ComplexArray, FloatArray, LabelledProgress, silent
 from flexmech.errors import InputError
@@ -45,35 +41,6 @@ from flexmech.threads import one_thread
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-_MODE_COLUMNS = {"crank_angle_deg": "crank_angle", "mode": "mode"}
-# Columns of the tables, and their variables.
-_FRF = {
-    "crank_angle_deg": "crank_angle",
-    "frequency_Hz": "frequency",
-    "receptance_real_m_N": "unwindowed_receptance_real",
-    "receptance_imag_m_N": "unwindowed_receptance_imag",
-    "coherence": "coherence",
-}
-_IDENTIFIED = _MODE_COLUMNS | {
-    "frequency_Hz": "identified_frequency",
-    "damping_ratio": "identified_damping_ratio",
-    "frequency_error_Hz": "identified_frequency_error",
-    "damping_ratio_error": "identified_damping_ratio_error",
-    "eigen_frequency_Hz": "eigen_frequency",
-    "eigen_damping_ratio": "eigen_damping_ratio",
-    "mac": "mac",
-}
-_SHAPES = _MODE_COLUMNS | {
-    "link": "point_link",
-    "fraction": "point_fraction",
-    "shape_real": "shape_real",
-    "shape_imag": "shape_imag",
-    "eigen_shape_real": "eigen_shape_real",
-    "eigen_shape_imag": "eigen_shape_imag",
-    "complexity_factor": "complexity_factor",
-}
 
 
 class HammerTest(Result):
@@ -94,19 +61,7 @@ class HammerTest(Result):
     stem = "hammer"
     subject = "hammer test"
     hallmark = "receptance_real"
-    files = (
-        "frf.csv",
-        "identified.csv",
-        "hammer.nc",
-        "hammer.png",
-        "frf.png",
-        "frf_parts.png",
-        "nyquist.png",
-        "stabilisation.png",
-        "shapes.csv",
-        "shapes.png",
-        "hammer_*deg.uff",
-    )
+    files = ("hammer_*deg.uff",)
 
     def frf(self) -> pd.DataFrame:
         """Receptance (H1) and coherence at every line of every crank angle.
@@ -117,7 +72,7 @@ class HammerTest(Result):
         -------
         pandas.DataFrame
         """
-        return table_of(self.dataset, ("crank_angle", "frequency"), _FRF)
+        return self.table("frf")
 
     def identified(self) -> pd.DataFrame:
         """Modes of the band: identified ones beside those of the eigen model.
@@ -128,8 +83,7 @@ class HammerTest(Result):
             Not a number where a mode was not identified; ``mac`` where the impact roves over a
             grid.
         """
-        table = table_of(self.dataset, ("crank_angle", "mode"), _IDENTIFIED)
-        return table.dropna(subset=["eigen_frequency_Hz"], ignore_index=True)
+        return self.table("identified")
 
     def shapes(self) -> pd.DataFrame:
         """Mode shapes at the points of the grid of impacts.
@@ -147,33 +101,12 @@ class HammerTest(Result):
             raise InputError(
                 "this hammer test has no grid of impacts; ask for it by grid=N (--grid N)"
             )
-        table = table_of(self.dataset, ("crank_angle", "mode", "point"), _SHAPES)
-        return table.dropna(subset=["eigen_shape_real"], ignore_index=True)
+        return self.table("shapes")
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """``frf`` and ``identified``, and ``shapes`` where the impact roved over a grid."""
-        tables = {"frf": self.frf(), "identified": self.identified()}
-        return tables | ({"shapes": self.shapes()} if "point" in self.dataset.dims else {})
-
-    def figures(self) -> dict[str, Figure]:
-        """Pictures of the first crank angle.
-
-        Records in time, frequency responses, and Nyquist circles; the stabilisation chart of LSCF,
-        and mode shapes where the impact roved over a grid.
-        """
-        data = self.dataset
-        first = data["identified_frequency"].isel(crank_angle=0)
-        circles = {"nyquist": plots.plot_nyquist(data)} if first.notnull().any() else {}
-        figures = {
-            self.stem: plots.plot_hammer(data),
-            "frf": self.plot(),
-            "frf_parts": plots.plot_frf_parts(data),
-        } | circles
-        if "chart_order" in data:
-            figures["stabilisation"] = plots.plot_stabilisation(data)
-        if "point" in data.dims:
-            figures["shapes"] = plots.plot_impact_shapes(data)
-        return figures
+    def pictures(self) -> list[str]:
+        """Names of the pictures; no circles where no mode is identified at the first angle."""
+        circles = bool(self.dataset["identified_frequency"].isel(crank_angle=0).notnull().any())
+        return [name for name in super().pictures() if circles or name != "nyquist"]
 
     def plot(self, *, ax: Axes | None = None) -> Figure:
         """Draw the frequency responses with coherence, measured and exact.
@@ -279,12 +212,8 @@ def hammer_test(
         dataset = dataset_of(engine, request, plan, found)
     dataset.attrs |= theory_attributes([engine], request.modes)
     dataset.attrs |= left_out_attributes(engine.mechanism) | loss.attributes
-    return HammerTest(with_units(dataset, "hammer"))
+    return HammerTest(dataset)
 
-
-_OVER_LINES = ("crank_angle", "frequency")
-_OVER_MODES = ("crank_angle", "mode")
-_OVER_RECORDS = ("crank_angle", "average", "time")
 
 # Places of the half-sine's curve over its duration, and of a circle's points over the distance
 # from the natural frequency: denser about it.
@@ -344,40 +273,35 @@ def dataset_of(
     xarray.Dataset
         Modes of an angle that has fewer than another are not numbers.
     """
-    variables: dict[str, Any] = {
-        "force": (_OVER_RECORDS, np.stack([each.force for each in found])),
-        "response": (_OVER_RECORDS, np.stack([each.response for each in found])),
-        "coherence": (_OVER_LINES, np.stack([each.estimate.coherence for each in found])),
+    modes = max(len(each.poles) for each in found)
+    pulse_time = plan.pulse.start + plan.pulse.duration * _PULSE_PLACES
+    values: Values = {
+        "crank_angle": request.angles,
+        "average": np.arange(1, request.averages + 1),
+        "time": plan.time,
+        "frequency": found[0].estimate.frequency,
+        "mode": np.arange(1, modes + 1),
+        "pulse_time": pulse_time,
+        "link": list(engine.mechanism.linkage.topology.link_names),
+        "force": np.stack([each.force for each in found]),
+        "response": np.stack([each.response for each in found]),
+        "coherence": np.stack([each.estimate.coherence for each in found]),
+        "pulse_force": plan.pulse.force(pulse_time),
+        # A single pair of points has no mode shape: the grid of impacts has.
+        "mac": np.full((len(found), modes), np.nan),
+        **_circles(found, plan, modes),
+        **_charts([each.modes.chart for each in found]),
+        **link_places(engine, request.angles),
     }
     for name, of_lines in _OF_LINES.items():
-        variables |= complex_parts(name, _OVER_LINES, np.stack([of_lines(each) for each in found]))
-    modes = max(len(each.poles) for each in found)
+        values |= complex_parts(name, np.stack([of_lines(each) for each in found]))
     for name, of_modes in _OF_MODES.items():
-        variables[name] = (_OVER_MODES, padded([of_modes(each) for each in found], modes))
-    variables |= _circles(found, plan, modes)
-    # A single pair of points has no mode shape: the grid of impacts has.
-    variables["mac"] = (_OVER_MODES, np.full((len(found), modes), np.nan))
-    if request.grid is not None:
-        variables |= _roved(found, modes)
-    variables |= _charts([each.modes.chart for each in found])
-    variables |= geometry_variables(engine, request.angles)
-    pulse_time = plan.pulse.start + plan.pulse.duration * _PULSE_PLACES
-    variables["pulse_force"] = ("pulse_time", plan.pulse.force(pulse_time))
+        values[name] = padded([of_modes(each) for each in found], modes)
     for name, of_angle in _OF_ANGLES.items():
-        variables[name] = ("crank_angle", [of_angle(each) for each in found])
-    dataset = xr.Dataset(
-        variables,
-        coords={
-            "crank_angle": request.angles,
-            "average": np.arange(1, request.averages + 1),
-            "time": plan.time,
-            "frequency": found[0].estimate.frequency,
-            "mode": np.arange(1, modes + 1),
-            "pulse_time": pulse_time,
-            "link": list(engine.mechanism.linkage.topology.link_names),
-            **_grid_coordinates(engine, request),
-        },
-    )
+        values[name] = [of_angle(each) for each in found]
+    if request.grid is not None:
+        values |= _roved(engine, request.grid, found, modes)
+    dataset = HammerTest.schema().dataset(values)
     return dataset.assign_attrs(
         provenance([engine])
         | attributes_of(request, "direction", "prestress", "noise", "seed")
@@ -396,32 +320,24 @@ def dataset_of(
     )
 
 
-def _roved(found: Sequence[Measurement], modes: int) -> dict[str, Any]:
-    """Receptances and mode shapes of a grid of impacts, over crank angle and point."""
+def _roved(engine: Engine, grid: int, found: Sequence[Measurement], modes: int) -> Values:
+    """Points of a grid of impacts, receptances and mode shapes over these."""
+    points = grid_points(engine, grid)
     shapes = [each.grid for each in found if each.grid is not None]
-    receptance = np.stack([each.unwindowed[1:] for each in found])
-    over = ("crank_angle", "point", "frequency")
-    variables: dict[str, Any] = complex_parts("grid_receptance", over, receptance)
-    for name in ("shape", "eigen_shape"):
-        shape = padded([getattr(each, name) for each in shapes], modes)
-        variables |= complex_parts(name, ("crank_angle", "point", "mode"), shape)
-    for name in ("mac", "complexity_factor", "eigen_complexity_factor"):
-        variables[name] = (_OVER_MODES, padded([getattr(each, name) for each in shapes], modes))
-    return variables
-
-
-def _grid_coordinates(engine: Engine, request: HammerRequest) -> dict[str, Any]:
-    if request.grid is None:
-        return {}
-    points = grid_points(engine, request.grid)
-    return {
+    values: Values = {
         "point": np.arange(1, len(points) + 1),
-        "point_link": ("point", [point.link for point in points]),
-        "point_fraction": ("point", [point.fraction for point in points]),
+        "point_link": [point.link for point in points],
+        "point_fraction": [point.fraction for point in points],
+        **complex_parts("grid_receptance", np.stack([each.unwindowed[1:] for each in found])),
     }
+    for name in ("shape", "eigen_shape"):
+        values |= complex_parts(name, padded([getattr(each, name) for each in shapes], modes))
+    for name in ("mac", "complexity_factor", "eigen_complexity_factor"):
+        values[name] = padded([getattr(each, name) for each in shapes], modes)
+    return values
 
 
-def _circles(found: Sequence[Measurement], plan: RecordPlan, modes: int) -> dict[str, Any]:
+def _circles(found: Sequence[Measurement], plan: RecordPlan, modes: int) -> Values:
     """Receptances about each mode, exact and identified, closely enough to draw circles."""
     shape = (len(found), modes, len(_CIRCLE_PLACES))
     frequency = np.full(shape, np.nan)
@@ -438,11 +354,10 @@ def _circles(found: Sequence[Measurement], plan: RecordPlan, modes: int) -> dict
             frequency[angle, mode] = around
             exact[angle, mode] = each.exact_at(around)
             identified[angle, mode] = each.modes.receptance(around, plan.decay_rate)[0]
-    over = (*_OVER_MODES, "circle_point")
     return {
-        "circle_frequency": (over, frequency),
-        **complex_parts("circle_exact_receptance", over, exact),
-        **complex_parts("circle_identified_receptance", over, identified),
+        "circle_frequency": frequency,
+        **complex_parts("circle_exact_receptance", exact),
+        **complex_parts("circle_identified_receptance", identified),
     }
 
 
@@ -451,7 +366,7 @@ def _gap(values: ComplexArray, exact: ComplexArray) -> float:
     return float(np.abs(values - exact).max() / np.abs(exact).max())
 
 
-def _charts(charts: Sequence[StabilisationChart | None]) -> dict[str, Any]:
+def _charts(charts: Sequence[StabilisationChart | None]) -> Values:
     """Stabilisation charts over crank angle and pole; none where none was made.
 
     A pole is ``new``, stable in its ``frequency`` alone, ``stable`` (in damping as well), or
@@ -459,15 +374,15 @@ def _charts(charts: Sequence[StabilisationChart | None]) -> dict[str, Any]:
     """
     if not any(charts):
         return {}
-    nothing, over = np.empty(0), ("crank_angle", "pole")
+    nothing = np.empty(0)
     size = max(chart.order.size for chart in charts if chart)
-    variables: dict[str, Any] = {}
+    values: Values = {}
     for name in ("order", "frequency", "damping_ratio"):
         rows = [getattr(chart, name) if chart else nothing for chart in charts]
-        variables[f"chart_{name}"] = (over, padded(rows, size))
+        values[f"chart_{name}"] = padded(rows, size)
     states = [_states(chart).tolist() if chart else [] for chart in charts]
     texts = np.array([row + [""] * (size - len(row)) for row in states], dtype=str)
-    return {**variables, "chart_state": (over, texts)}
+    return {**values, "chart_state": texts}
 
 
 def _states(chart: StabilisationChart) -> NDArray[np.str_]:

@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from functools import partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.schema import Values
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.measured_data import (
     UffDegreeOfFreedom,
@@ -28,15 +27,14 @@ from flexmech.measured_data import (
 )
 from flexmech.mechanics import Engine, LinkPoint
 
-Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 # Room for the points of a link: labels of neighbouring links never meet.
 _NODES_A_LINK = 1000
 # Axes of a frame by their numbers in universal files: x runs along the link.
 _AXES = {"axial": 1, "transverse": 2}
 
 
-def geometry_variables(engine: Engine, angles: FloatArray) -> Variables:
-    """Where the links are, as variables of a dataset.
+def link_places(engine: Engine, angles: FloatArray) -> Values:
+    """Where the links are at crank angles.
 
     Parameters
     ----------
@@ -46,18 +44,17 @@ def geometry_variables(engine: Engine, angles: FloatArray) -> Variables:
 
     Returns
     -------
-    dict of str to tuple
-        ``link_x``, ``link_y`` and ``link_angle`` of each link's frame over (crank_angle, link),
-        and ``link_length``.
+    dict of str to ndarray
+        ``link_x``, ``link_y`` and ``link_angle`` of each link's frame, (A, n_links), and
+        ``link_length``, (n_links,).
     """
     linkage = engine.mechanism.linkage
     motion = linkage.motion(angles)
-    over = ("crank_angle", "link")
     return {
-        "link_x": (over, motion.origin[..., 0]),
-        "link_y": (over, motion.origin[..., 1]),
-        "link_angle": (over, motion.angle),
-        "link_length": (("link",), np.array([link.length for link in linkage.topology.links])),
+        "link_x": motion.origin[..., 0],
+        "link_y": motion.origin[..., 1],
+        "link_angle": motion.angle,
+        "link_length": [link.length for link in linkage.topology.links],
     }
 
 

@@ -104,6 +104,31 @@ def quantities_of(
     ]
 
 
+def peak_quantities(dataset: xr.Dataset, name: str, unit: str, factor: float) -> list[Quantity]:
+    """Peaks with their errors, of the engine whose deflections are known best.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+    name : str
+        Of the variable, such as ``"peak_stress"``.
+    unit : str
+    factor : float
+        From the SI unit to ``unit``.
+
+    Returns
+    -------
+    list of Quantity
+        Empty where the run has no such peaks.
+    """
+    if name not in dataset:
+        return []
+    errors = errors_of(dataset)
+    peaks, place = dataset[name], best_known(errors["deflection"])
+    return quantities_of(peaks, errors[name] * peaks, place, name, unit, factor)
+
+
 def frame_gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     """How far the first two engines differ in the motion of a frame on springs, over its peaks.
 

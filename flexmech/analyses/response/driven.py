@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import xarray as xr
 
 from flexmech.analyses.aspects.law import law_attributes, law_values
 from flexmech.analyses.aspects.motor import (
@@ -14,10 +15,13 @@ from flexmech.analyses.aspects.motor import (
     motor_values,
     settled_values,
 )
+from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.response.agreement import listed
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual_vibration import LEAST_SAMPLES
 from flexmech.analyses.schema import Values
+from flexmech.analyses.summary import Aspect
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
@@ -26,6 +30,9 @@ from flexmech.linkages.motors.integrated_run import states_along
 from flexmech.mechanics import Engine
 from flexmech.mechanics.running import Trajectory
 from flexmech.mechanism import with_motor_run
+
+# Rotation of a free shaft in rad beyond which equations for small ones show.
+_LARGE_ROTATION = np.radians(5)
 
 
 def law_of_run(engine: Engine, request: ResponseRequest) -> Values:
@@ -194,3 +201,43 @@ def motor_of_run(
     told: Values = {name: of_time[::refinement] for name, of_time in values.items()}
     told |= {"last_turn_speed": mean, "last_turn_fluctuation": fluctuation}
     return told, np.asarray(momentum(time[::refinement], 1))
+
+
+def shaft_aspect(data: xr.Dataset) -> Aspect:
+    """How far a free shaft leaves its prescribed motion, and what linear theory makes of it.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of the response.
+
+    Returns
+    -------
+    Aspect
+        Nothing where the shaft turns as prescribed.
+    """
+    if "shaft_rotation" not in data:
+        return Aspect()
+    peak = data["peak_shaft_rotation"]
+    part = 100 * data["peak_crank_speed_fluctuation"] / abs(data.attrs["crank_speed"])
+    left = "under the torque that drives the rigid linkage; it leaves its prescribed "
+    if "motor_torque" in data:
+        left = "under the motor; with elastic links it leaves the rigid linkage's "
+        if data.attrs["start"] == "periodic":
+            left = "under the motor; it leaves the settled motion that was found directly in its "
+    lines = [
+        f"shaft: free, {left}"
+        f"angle by at most {listed(DEGREES * peak, '{:.4g} deg')}, its speed the crank speed "
+        f"by at most {listed(part, '{:.3g} %')}"
+    ]
+    if "motor_torque" in data:
+        # Its equations follow the shaft at any rotation.
+        return Aspect(details=tuple(lines))
+    linear = peak.sel(engine=~data["nonlinear"].astype(bool))
+    if linear.sizes["engine"] and float(linear.max()) > _LARGE_ROTATION:
+        lines.append(
+            f"shaft: the equations of {', '.join(map(str, linear['engine'].values))} are for "
+            f"small rotations, its own is beyond the {np.degrees(_LARGE_ROTATION):.0f} deg up to "
+            "which they hold; trust the exudyn engine, or give the shaft more inertia"
+        )
+    return Aspect(details=tuple(lines))

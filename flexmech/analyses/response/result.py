@@ -24,10 +24,12 @@ from flexmech.analyses.response.agreement import (
     within_errors,
 )
 from flexmech.analyses.response.dataset import needed
+from flexmech.analyses.response.driven import shaft_aspect
 from flexmech.analyses.response.residual_vibration import residual_aspect
 from flexmech.analyses.response.shaking import shaking_aspect
 from flexmech.analyses.response.shaping import shaped_aspect
 from flexmech.analyses.response.sprung_frame import frame_aspect
+from flexmech.analyses.response.stresses import stress_aspect
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Aspect, Summary, drive_words, warnings_of
 from flexmech.arrays import ROUND_OFF, LabelledProgress, silent
@@ -39,6 +41,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+# Beside how far links bend and how well that is known, in the order of the details.
+_ASPECTS = (
+    shaking_aspect,
+    frame_aspect,
+    law_aspect,
+    residual_aspect,
+    shaped_aspect,
+    motor_aspect,
+    stress_aspect,
+    shaft_aspect,
+)
 _ANIMATIONS = ("animation.gif", "animation.mp4")
 
 
@@ -280,13 +293,10 @@ class Response(Result):
         bending = Aspect(
             words.answer(data),
             (*theory_lines(data.attrs), *words.check_lines(data), *words.load_lines(peaks, data)),
-            words.yielding(data),
-            words.numbers(data),
+            numbers=words.numbers(data),
         )
         known = Aspect(
             details=(
-                *words.stress_lines(data),
-                *words.shaft_lines(data),
                 *words.spectrogram_lines(data),
                 *(line.said for line in force_agreement_lines(forces, data)),
                 *data.attrs["environment_lines"].splitlines(),
@@ -294,9 +304,8 @@ class Response(Result):
             ),
             warnings=(*words.disagreement(data, agreement, forces), *warnings_of(data.attrs)),
         )
-        of_run = (shaking_aspect, frame_aspect, law_aspect, residual_aspect, shaped_aspect)
         return Summary.of(
-            (bending, *(aspect(data) for aspect in of_run), motor_aspect(data), known),
+            (bending, *(aspect(data) for aspect in _ASPECTS), known),
             words.peak_table(peaks, start, title, trusted, self._peak_errors()),
             words.trust(data, agreement, forces),
         )

@@ -1,4 +1,4 @@
-"""Normal stress at the surfaces of links of one isotropic material along a run."""
+"""Normal stress at the surfaces of links of one isotropic material along a run, and its words."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
+from flexmech.analyses.digits import Quantity, plain, rounded
+from flexmech.analyses.response.agreement import peak_quantities
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.sprung_frame import carried_by_frame
+from flexmech.analyses.summary import Aspect
 from flexmech.arrays import FloatArray
 from flexmech.linkages import Drive, RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import applied_forces
@@ -254,3 +258,77 @@ def carried(engine: Engine, trajectory: Trajectory, drive: Drive) -> RigidMotion
         return carried_by_frame(engine, drive.motion(linkage, time), trajectory)
     angle = drive.crank_angle(time) + trajectory.shaft.rotation
     return linkage.motion(angle, drive.crank_speed(time), drive.crank_acceleration(time))
+
+
+def stress_aspect(dataset: xr.Dataset) -> Aspect:
+    """What the stress counts, and which links yield.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    Aspect
+    """
+    return Aspect(details=(_line(dataset),), warnings=yielding(dataset))
+
+
+def _line(dataset: xr.Dataset) -> str:
+    """What the stress is of, and the links of which none is known."""
+    own = dataset.isel(engine=0)
+    known = np.isfinite(own["peak_stress"].values)
+    without = [str(link) for link in dataset["link"].values[~known]]
+    line = "stress: |N| / A + |M| h / (2 I) at the surfaces, greatest along the link"
+    parts = [
+        f"{link} {rounded(1e-6 * float(own['peak_axial_stress'].sel(link=link)), 0.0, 3)}"
+        for link in dataset["link"].values[known]
+    ]
+    if parts:
+        line += f"; by the normal force alone at most {', '.join(parts)} MPa"
+    return f"{line}; not known of {', '.join(without)}" if without else line
+
+
+def stress_words(dataset: xr.Dataset, stress: Quantity) -> str:
+    """Greatest stress, where it is, and the yield strength there.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+    stress : Quantity
+        The greatest one.
+
+    Returns
+    -------
+    str
+    """
+    own = dataset.sel(link=stress.of).isel(engine=0)
+    place = f"{1e3 * float(own['peak_stress_place']):.3g} mm from its start"
+    said = f"the greatest normal stress is {stress}, in the {stress.of}, {place}"
+    bound = float(own["yield_strength"])
+    return f"{said}; it yields at {plain(1e-6 * bound)} MPa" if math.isfinite(bound) else said
+
+
+def yielding(dataset: xr.Dataset) -> tuple[str, ...]:
+    """What to do with links whose stress is above the yield strength; or nothing.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    tuple of str
+    """
+    found = []
+    for one in peak_quantities(dataset, "peak_stress", "MPa", 1e-6):
+        bound = 1e-6 * float(dataset["yield_strength"].sel(link=one.of).isel(engine=0))
+        if one.value > bound:
+            found.append(
+                f"the {one.of} yields: its stress reaches {one}, above the yield strength of "
+                f"{plain(bound)} MPa; make it thicker or of a stronger material, or run slower"
+            )
+    return tuple(found)

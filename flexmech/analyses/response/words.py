@@ -11,22 +11,20 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES
-from flexmech.analyses.digits import MOST_DIGITS, Quantity, plain, rounded
+from flexmech.analyses.digits import MOST_DIGITS, Quantity, rounded
 from flexmech.analyses.response.agreement import (
     agreement_line,
-    best_known,
     errors_of,
     errors_together,
     force_agreement_lines,
     listed,
-    quantities_of,
+    peak_quantities,
 )
+from flexmech.analyses.response.stresses import stress_words
 from flexmech.analyses.summary import EngineDifference, Table, trust_line
 
 # Of deflections in the table of peaks.
 _TABLE_DIGITS = 5
-# Rotation of a free shaft in rad beyond which equations for small ones show.
-_LARGE_ROTATION = np.radians(5)
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
 
@@ -138,61 +136,6 @@ def _error_table(dataset: xr.Dataset) -> Table:
     )
 
 
-def shaft_lines(data: xr.Dataset) -> list[str]:
-    """Report how far a free shaft leaves its prescribed motion, and what linear theory makes of it.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of the response.
-
-    Returns
-    -------
-    list of str
-        None where the shaft turns as prescribed.
-    """
-    if "shaft_rotation" not in data:
-        return []
-    peak = data["peak_shaft_rotation"]
-    part = 100 * data["peak_crank_speed_fluctuation"] / abs(data.attrs["crank_speed"])
-    left = "under the torque that drives the rigid linkage; it leaves its prescribed "
-    if "motor_torque" in data:
-        left = "under the motor; with elastic links it leaves the rigid linkage's "
-        if data.attrs["start"] == "periodic":
-            left = "under the motor; it leaves the settled motion that was found directly in its "
-    lines = [
-        f"shaft: free, {left}"
-        f"angle by at most {listed(DEGREES * peak, '{:.4g} deg')}, its speed the crank speed "
-        f"by at most {listed(part, '{:.3g} %')}"
-    ]
-    if "motor_torque" in data:
-        # Its equations follow the shaft at any rotation.
-        return lines
-    linear = peak.sel(engine=~data["nonlinear"].astype(bool))
-    if linear.sizes["engine"] and float(linear.max()) > _LARGE_ROTATION:
-        lines.append(
-            f"shaft: the equations of {', '.join(map(str, linear['engine'].values))} are for "
-            f"small rotations, its own is beyond the {np.degrees(_LARGE_ROTATION):.0f} deg up to "
-            "which they hold; trust the exudyn engine, or give the shaft more inertia"
-        )
-    return lines
-
-
-def stress_lines(dataset: xr.Dataset) -> list[str]:
-    """Say of what the stress is, and of which links none is told."""
-    own = dataset.isel(engine=0)
-    known = np.isfinite(own["peak_stress"].values)
-    without = [str(link) for link in dataset["link"].values[~known]]
-    line = "stress: |N| / A + |M| h / (2 I) at the surfaces, greatest along the link"
-    parts = [
-        f"{link} {rounded(1e-6 * float(own['peak_axial_stress'].sel(link=link)), 0.0, 3)}"
-        for link in dataset["link"].values[known]
-    ]
-    if parts:
-        line += f"; by the normal force alone at most {', '.join(parts)} MPa"
-    return [f"{line}; not known of {', '.join(without)}" if without else line]
-
-
 def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> tuple[Table | str, ...]:
     """Report the peaks of the driving torque and the joint forces, next to rigid links'.
 
@@ -279,12 +222,11 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
     tuple of Quantity
         ``peak_deflection``, ``peak_stress``, ``peak_joint_force`` and ``peak_driving_torque``.
     """
-    errors, found = errors_of(dataset), list[Quantity]()
-    place = best_known(errors["deflection"])
-    for name, (unit, factor) in _PEAKS.items():
-        if (peaks := dataset.get(f"peak_{name}")) is not None:
-            own = errors[f"peak_{name}"] * peaks
-            found += quantities_of(peaks, own, place, f"peak_{name}", unit, factor)
+    found = (
+        one
+        for name, (unit, factor) in _PEAKS.items()
+        for one in peak_quantities(dataset, f"peak_{name}", unit, factor)
+    )
     return tuple(one for one in found if math.isfinite(one.value) and (one.value or not one.of))
 
 
@@ -330,52 +272,6 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
             "or ask for --start periodic."
         )
     return tuple(lines)
-
-
-def stress_words(dataset: xr.Dataset, stress: Quantity) -> str:
-    """Greatest stress, where it is, and the yield strength there.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a response.
-    stress : Quantity
-        Of :func:`numbers`.
-
-    Returns
-    -------
-    str
-    """
-    own = dataset.sel(link=stress.of).isel(engine=0)
-    place = f"{1e3 * float(own['peak_stress_place']):.3g} mm from its start"
-    said = f"the greatest normal stress is {stress}, in the {stress.of}, {place}"
-    bound = float(own["yield_strength"])
-    return f"{said}; it yields at {plain(1e-6 * bound)} MPa" if math.isfinite(bound) else said
-
-
-def yielding(dataset: xr.Dataset) -> tuple[str, ...]:
-    """What to do with links whose stress is above the yield strength; or nothing.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Of a response.
-
-    Returns
-    -------
-    tuple of str
-    """
-    found = []
-    for one in numbers(dataset):
-        if one.name != "peak_stress":
-            continue
-        bound = 1e-6 * float(dataset["yield_strength"].sel(link=one.of).isel(engine=0))
-        if one.value > bound:
-            found.append(
-                f"the {one.of} yields: its stress reaches {one}, above the yield strength of "
-                f"{plain(bound)} MPa; make it thicker or of a stronger material, or run slower"
-            )
-    return tuple(found)
 
 
 def trust(dataset: xr.Dataset, agreement: xr.DataArray | None, forces: xr.Dataset | None) -> str:

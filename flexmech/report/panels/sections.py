@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import ModelCheck, MoistureUptake, SectionProfiles
-from flexmech.analyses.check.section_profiles import property_table
+from flexmech.analyses.section_profile.compute import property_table
 from flexmech.plots.picture import Pane, Picture
 from flexmech.plots.reading import names_of
 from flexmech.plots.section import profile_curves, profile_pane, uptake_pane

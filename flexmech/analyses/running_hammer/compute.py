@@ -10,7 +10,7 @@ Harmonic transfer functions of the running linkage: tables, picture and words.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -30,13 +30,13 @@ from flexmech.analyses.datasets import (
     complex_parts,
     provenance,
     table_of,
-    with_units,
 )
 from flexmech.analyses.digits import Quantity
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.hammer.request import RunningHammerRequest, middle_of
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.result import Result
+from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import Summary, Table, crank_speed_text, warnings_of
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.crank_values import GREATEST
@@ -61,15 +61,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Columns of the tables, and their variables.
-_RESPONSE = {
-    "order": "order",
-    "frequency_Hz": "frequency",
-    "receptance_real_m_N": "receptance_real",
-    "receptance_imag_m_N": "receptance_imag",
-    "frozen_real_m_N": "frozen_real",
-    "frozen_imag_m_N": "frozen_imag",
-}
+# Columns of the table of peaks, and their variables.
 _PEAKS = {"order": "order", "peak_m_N": "peak", "peak_frequency_Hz": "peak_frequency"}
 _ERRORS = ("step_error", "balance_error", "reduction_error")
 
@@ -89,17 +81,6 @@ class RunningHammerTest(Result):
     stem = "harmonic_frf"
     subject = "hammer test on the running linkage"
     hallmark = "peak_frequency"
-    files = ("harmonic_frf.csv", "harmonic_frf.nc", "harmonic_frf.png")
-
-    def response(self) -> pd.DataFrame:
-        """Harmonic transfer functions, a row for each order and frequency.
-
-        Returns
-        -------
-        pandas.DataFrame
-            ``frequency_Hz`` is that of the force; ``frozen_...`` are of the frozen linkage.
-        """
-        return table_of(self.dataset, ("order", "frequency"), _RESPONSE)
 
     def peaks(self) -> pd.DataFrame:
         """Greatest amplitude of each order.
@@ -109,10 +90,6 @@ class RunningHammerTest(Result):
         pandas.DataFrame
         """
         return table_of(self.dataset, ("order",), _PEAKS)
-
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """``harmonic_frf``."""
-        return {self.stem: self.response()}
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw amplitude and phase of each order, of the running linkage and of the frozen one.
@@ -312,7 +289,7 @@ def running_hammer_test(
             attributes |= loss.attributes
         dataset = _dataset(chosen, request, _running_linkage(chosen, request))
     dataset.attrs |= attributes
-    return RunningHammerTest(with_units(dataset, "running_hammer"))
+    return RunningHammerTest(dataset)
 
 
 def _request(
@@ -466,14 +443,16 @@ def _dataset(engine: Engine, request: RunningHammerRequest, running: _RunningLin
     answer = running.response(orders)
     frozen = _frozen_response(engine, request, running.frequency, orders)
     at = np.abs(answer).argmax(axis=1)
-    variables: dict[str, Any] = {
-        **complex_parts("receptance", ("order", "frequency"), answer),
-        **complex_parts("frozen", ("order", "frequency"), frozen),
-        **{name: ("order", error) for name, error in running.errors(orders, answer).items()},
-        "peak": ("order", np.abs(answer).max(axis=1)),
-        "peak_frequency": ("order", running.frequency[at]),
+    values: Values = {
+        "order": orders,
+        "frequency": running.frequency,
+        **complex_parts("receptance", answer),
+        **complex_parts("frozen", frozen),
+        **running.errors(orders, answer),
+        "peak": np.abs(answer).max(axis=1),
+        "peak_frequency": running.frequency[at],
     }
-    dataset = xr.Dataset(variables, coords={"order": orders, "frequency": running.frequency})
+    dataset = RunningHammerTest.schema().dataset(values)
     return dataset.assign_attrs(
         provenance([engine])
         | attributes_of(request, "direction", "prestress")

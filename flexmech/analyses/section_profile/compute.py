@@ -14,11 +14,10 @@ from flexmech.analyses.check.sections import (
     COUPLINGS,
     DIRECTIONS,
     PROPERTIES,
-    QUANTITIES,
     STORED,
     section_dataset,
 )
-from flexmech.analyses.datasets import Columns, columns_along, origin, table_of, with_units
+from flexmech.analyses.datasets import Columns, columns_along, origin, table_of
 from flexmech.analyses.digits import Quantity, plain
 from flexmech.analyses.requests import environment_of, link_of
 from flexmech.analyses.result import Result
@@ -34,17 +33,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Columns of the tables, and their variables.
+# Columns of the table of sections, and their variables.
 _SECTIONS = {
     **{name: name for name in ("link", "coupling")},
     **{one.column: one.name for one in PROPERTIES},
-}
-_INSIDE = {
-    **{name: name for name in ("link", "load", "coupling", "layer", "ply")},
-    "angle_deg": "angle",
-    "y_m": "place",
-    "strain": "strain",
-    **{f"{stress}_Pa": stress for stress in QUANTITIES[1:]},
 }
 
 
@@ -95,7 +87,7 @@ def section_profiles(
         mechanism = mechanism_in_state(mechanism, environment)
     dataset = section_dataset({name: mechanism.sections[name] for name in chosen})
     attributes = origin(mechanism) | {"environment_lines": "\n".join(words)}
-    return SectionProfiles(with_units(dataset, "section_profile").assign_attrs(attributes))
+    return SectionProfiles(SectionProfiles.schema().labelled(dataset).assign_attrs(attributes))
 
 
 class SectionProfiles(Result):
@@ -116,7 +108,7 @@ class SectionProfiles(Result):
     stem = "sections"
     subject = "sections"
     hallmark = "reduction"
-    files = ("sections.csv", "through_thickness.csv", "plies.csv", "sections.nc", "section_*.png")
+    files = ("sections.csv", "plies.csv", "section_*.png")
 
     @property
     def links(self) -> list[str]:
@@ -156,11 +148,9 @@ class SectionProfiles(Result):
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Properties, two rows a link, profiles, a row for each place, and what plies swell by."""
-        data, dims = self.dataset, ("link", "coupling")
-        tables = {"sections": table_of(data, dims, _SECTIONS)}
+        sections = table_of(self.dataset, ("link", "coupling"), _SECTIONS)
+        tables = {"sections": sections, **super().tables()}
         if self.links_with_layers:
-            profiles = table_of(data, ("link", "load", "coupling", "layer", "point"), _INSIDE)
-            tables["through_thickness"] = profiles.dropna(subset="y_m")
             known = {
                 link: expansions_of_plies(self.profile(link)) for link in self.links_with_layers
             }

@@ -1,0 +1,1 @@
+"""What a force on the running linkage does: harmonic transfer functions of a periodic system."""
