@@ -179,7 +179,7 @@ class LinkTies:
 
     def _connect_ends(self) -> None:
         """Find what the ends of elastic links depend on; mark fixed and dependent coordinates."""
-        rigid = self.rigid
+        rigid, independent = self.rigid, set(self.rigid.w.tolist())
         for end in self.topology.joined_ends:
             link, model = self._end(end)
             self.targets[link][model.end_warping_of(end.end)] = -1
@@ -195,7 +195,7 @@ class LinkTies:
                 leads = leader is not None and leader.body == number
                 if (source := among if leads or leader is None else leader) is not None:
                     self.joint_rows.append(JointRows(link, rows, source))
-                if among is None or not (leads and np.isin(among, rigid.w).all()):
+                if among is None or not (leads and independent.issuperset(among.tolist())):
                     self.targets[link][rows] = -1
         for turn in rigid.turns:
             for end in turn.ends:
@@ -621,7 +621,8 @@ class DisplacedTies:
 
 def _united(ties: Sequence[Tie], entry: int) -> IntArray:
     """Rows or columns, by the number of the entry, of all ties of a link, ascending."""
-    return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *(tie[entry] for tie in ties)]))
+    numbers = {number for tie in ties for number in tie[entry].tolist()}
+    return np.array(sorted(numbers), dtype=np.intp)
 
 
 def _parts(matrix: Matrix) -> Sequence[FloatArray]:
