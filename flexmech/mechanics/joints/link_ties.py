@@ -13,7 +13,7 @@ force of a joint. A bar in tension P has ``P / L`` between its ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache, partial
 from typing import Any, NamedTuple, TypeVar
@@ -171,7 +171,10 @@ class LinkTies:
         self._number(last or [np.zeros(link.size, dtype=bool) for link in links])
         self.ties: list[list[Tie]] = [[] for _ in links]
         self._add_ties()
-        self.dependencies = [(_united(ties, 0), _united(ties, 3)) for ties in self.ties]
+        self.dependencies = [
+            (_united(tie.rows for tie in ties), _united(tie.columns for tie in ties))
+            for ties in self.ties
+        ]
 
     def _end(self, end: LinkEnd) -> tuple[int, LinkModel]:
         link = self.topology.index(end.link)
@@ -179,7 +182,7 @@ class LinkTies:
 
     def _connect_ends(self) -> None:
         """Find what the ends of elastic links depend on; mark fixed and dependent coordinates."""
-        rigid = self.rigid
+        rigid, independent = self.rigid, set(self.rigid.w.tolist())
         for end in self.topology.joined_ends:
             link, model = self._end(end)
             self.targets[link][model.end_warping_of(end.end)] = -1
@@ -195,7 +198,7 @@ class LinkTies:
                 leads = leader is not None and leader.body == number
                 if (source := among if leads or leader is None else leader) is not None:
                     self.joint_rows.append(JointRows(link, rows, source))
-                if among is None or not (leads and np.isin(among, rigid.w).all()):
+                if among is None or not (leads and independent.issuperset(among.tolist())):
                     self.targets[link][rows] = -1
         for turn in rigid.turns:
             for end in turn.ends:
@@ -619,9 +622,9 @@ class DisplacedTies:
         return RigidGeometricStiffness(by_rotation, guide_stiffness)
 
 
-def _united(ties: Sequence[Tie], entry: int) -> IntArray:
-    """Rows or columns, by the number of the entry, of all ties of a link, ascending."""
-    return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *(tie[entry] for tie in ties)]))
+def _united(parts: Iterable[IntArray]) -> IntArray:
+    """Numbers that are in any of several arrays, ascending."""
+    return np.array(sorted({number for part in parts for number in part.tolist()}), dtype=np.intp)
 
 
 def _parts(matrix: Matrix) -> Sequence[FloatArray]:
