@@ -4,20 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import accumulate
-from math import lcm
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
-from matplotlib.figure import Figure
 
 from flexmech.arrays import FloatArray
-from flexmech.plots import scales
-from flexmech.plots.layout import Layout, Sheet
+from flexmech.plots.layout import Layout, grid
 from flexmech.plots.picture import Curve
 from flexmech.plots.reading import engine_label, speed_unit
 from flexmech.plots.style import (
@@ -40,9 +35,6 @@ TWO_COLUMNS_FROM = 4
 # Height of a panel with its heading at least, in inches: three ticks and their numbers. More panels
 # on top of each other than these are flatter: eight of them fit a page of 240 mm.
 PANEL_HEIGHT, MOST_TALL, FLAT_PANEL = 1.4, 5, 1.1
-# In inches: narrower panels have ticks every 90 deg, whose numbers would touch at 60.
-WIDE = 4.0
-
 FEW_SPEEDS = 5
 """More crank speeds than these are told by a colour map rather than by styles."""
 # Of viridis, which is perceptually uniform and grows lighter throughout; its yellow end cannot be
@@ -58,12 +50,10 @@ SPEED_LINE: Look = {"linestyle": "-", "linewidth": 0.9}
 def angle_layout(sizes: Sequence[int], *, share_y: bool = False) -> Layout:
     """Panels over a shared crank-angle axis, in two columns from four panels on.
 
-    Panels of the lower column are taller, so that both end at one height.
-
     Parameters
     ----------
     sizes : sequence of int
-        Height of each panel in units, in order.
+        Height of each panel in units, in order; panels of a row have that of the tallest.
     share_y : bool
         Whether all panels have the same y axis.
 
@@ -71,56 +61,14 @@ def angle_layout(sizes: Sequence[int], *, share_y: bool = False) -> Layout:
     -------
     Layout
     """
-    columns = _columns(sizes)
-    rows = max(sum(sizes[panel] for panel in column) for column in columns)
-
-    def make(figure: Figure) -> list[Axes]:
-        units = [sum(sizes[panel] for panel in column) for column in columns]
-        whole = lcm(*units)
-        cells = figure.add_gridspec(whole, len(columns))
-        panels: list[Axes] = []
-        for place, column in enumerate(columns):
-            ends = accumulate(sizes[panel] for panel in column)
-            of_unit = whole // units[place]
-            for panel, end in zip(column, ends, strict=True):
-                first = panels[0] if panels else None
-                cell = cells[of_unit * (end - sizes[panel]) : of_unit * end, place]
-                axes = figure.add_subplot(cell, sharex=first, sharey=first if share_y else None)
-                axes.tick_params(labelbottom=panel == column[-1])
-                panels.append(axes)
-        return panels
-
-    least = PANEL_HEIGHT if rows <= MOST_TALL else FLAT_PANEL
-    return Layout(len(sizes), rows * max(least, 1.9 - 0.3 * rows) + 0.5, make)
-
-
-def _columns(sizes: Sequence[int]) -> list[range]:
-    """Panel numbers of each column; the first column is the taller one."""
-    whole = range(len(sizes))
-    if len(sizes) == 1 or sum(sizes) < TWO_COLUMNS_FROM or is_narrow():
-        return [whole]
-    half = (sum(sizes) + 1) // 2
-    cut = next(n for n, filled in enumerate(accumulate(sizes), start=1) if filled >= half)
-    return [part for part in (whole[:cut], whole[cut:]) if part]
-
-
-def label_angles(drawn: Sheet, angles: FloatArray, y_label: str = "") -> None:
-    """Scale and label the axes of panels over the crank angle.
-
-    Parameters
-    ----------
-    drawn : Sheet
-    angles : ndarray
-        Crank angles in degrees, ascending.
-    y_label : str
-        Label of all y axes, with its unit; left out where they differ.
-    """
-    width = drawn.figure.get_figwidth()
-    for axes in drawn.panels:
-        scales.crank_angle_axis(axes, angles, narrow=axes.get_position().width * width < WIDE)
-    drawn.label_x("Crank angle (deg)")
-    if y_label:
-        drawn.label_y(y_label)
+    count = len(sizes)
+    columns = 2 if count > 1 and sum(sizes) >= TWO_COLUMNS_FROM and not is_narrow() else 1
+    rows = [max(sizes[first : first + columns]) for first in range(0, count, columns)]
+    units = sum(rows)
+    least = PANEL_HEIGHT if units <= MOST_TALL else FLAT_PANEL
+    height = units * max(least, 1.9 - 0.3 * units) + 0.5
+    options: Look = {"sharex": True, "sharey": share_y, "height_ratios": rows}
+    return grid(len(rows), columns, height, count=count, **options)
 
 
 def staggered(angles: FloatArray, number: int, total: int) -> slice:

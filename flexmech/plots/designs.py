@@ -14,7 +14,6 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
@@ -31,8 +30,8 @@ from flexmech.plots.style import (
     MID_GREY,
     SERIES_STYLES,
     Look,
+    legend_handles,
     line_handle,
-    line_handles,
     series_line,
     series_style,
 )
@@ -220,9 +219,8 @@ def _contours(dataset: xr.Dataset, variables: list[str], ax: AxesLike | None) ->
         if end in dataset[name].attrs
     ]
     with sheet(tiles(len(outputs), 2, LARGE_PANEL), ax=ax) as drawn:
-        handles = [line_handle("design", **WITHIN)]
-        if limits:
-            handles = _marks()
+        marks = {"keeps every limit": WITHIN, "beyond a limit": BEYOND, "limit": BOUND}
+        handles = legend_handles(marks if limits else {"design": WITHIN})
         drawn.header(handles, "Outputs over what varies", of=dataset)
         for axes, output in zip(drawn.panels, outputs, strict=True):
             # Limits of all outputs: the best of one lies on the limit of another.
@@ -325,12 +323,6 @@ def key_of(values: xr.DataArray) -> str:
 def _names(values: xr.DataArray) -> list[str]:
     """Texts in the order in which they come; none of numbers."""
     return list(dict.fromkeys(values.values.tolist())) if values.dtype.kind == "U" else []
-
-
-def _marks() -> list[Artist]:
-    """Legend of designs and limits."""
-    looks = {"keeps every limit": WITHIN, "beyond a limit": BEYOND, "limit": BOUND}
-    return line_handles(looks)
 
 
 # Linkages of a front that are drawn, what of a panel's height they take, and the size of their

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import WRAPPER_ASSIGNMENTS, wraps
@@ -22,7 +22,7 @@ from flexmech.plots import angle_panels, scales
 from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet, tiles
 from flexmech.plots.picture import Curve, Pane, Picture, Span
 from flexmech.plots.reading import spread
-from flexmech.plots.style import MID_GREY, Look, line_handle
+from flexmech.plots.style import MID_GREY, Look, legend_handles, line_handle
 
 # Width in points of a line with at most so many turning points in a panel of 450 points' width, so
 # that waves stay apart.
@@ -123,7 +123,7 @@ def drawing(picture: Picture, *, ax: AxesLike | None = None) -> Iterator[Sheet]:
     """
     picture = picture.in_units()
     with sheet(picture.layout or _layout(picture), ax=ax, fewer=picture.fewer) as drawn:
-        handles = _legend(picture) if picture.legend is None else _handles(picture.legend)
+        handles = _legend(picture) if picture.legend is None else legend_handles(picture.legend)
         if any(_is_blot(drawn.panels[0], one) for pane in picture.panes for one in pane.curves):
             handles.append(Patch(color="0.35", label="envelope of the vibration", **ENVELOPE))
         drawn.header(handles, picture.title, of=picture.of)
@@ -141,20 +141,12 @@ def _layout(picture: Picture) -> Layout:
     return angle_panels.angle_layout([1] * count) if picture.over == "angle" else tiles(count, 2)
 
 
-def _handles(legend: Mapping[str, Look]) -> list[Artist]:
-    """Legend entries of lines, and of fillings where a look has a face."""
-    return [
-        (Patch(label=name, **look) if "facecolor" in look else line_handle(name, **look))
-        for name, look in legend.items()
-    ]
-
-
 def _draw_panes(drawn: Sheet, picture: Picture) -> None:
     """Draw the panes of a picture in their units, and scale and label all axes."""
     pairs = list(zip(drawn.panels, picture.panes, strict=True))
     shared = replace(drawn, panels=[axes for axes, pane in pairs if not pane.apart])
     if picture.over == "angle":
-        angle_panels.label_angles(shared, picture.places)
+        scales.label_angles(shared, picture.places)
     elif picture.over == "time":
         scales.label_times(shared, picture.of)
     elif picture.over == "speed":

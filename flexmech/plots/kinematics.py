@@ -242,7 +242,10 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     )
     layout = grid(1, 3, HEIGHT_OF_THREE) if "close_up" in dataset else grid(1, 2, HEIGHT)
     with sheet(layout, ax=ax) as drawn:
-        handles = style.series_handles(_counted(dataset, state) for state in states)
+        handles = [
+            style.series_handle(number, _counted(dataset, state))
+            for number, state in enumerate(states)
+        ]
         # Beyond the crank angles drawn, marks stand off the lines.
         where = "" if np.ptp(angles) > 360.0 - 1e-4 else " of the whole curve"
         for kind, mark in MARKS.items():

@@ -86,7 +86,8 @@ def grid(
         panels, lacking = panels[:number], rows * columns - number
         if lacking:
             # Half columns, of which each panel takes two.
-            cells = figure.add_gridspec(rows, 2 * columns)
+            heights = options.get("height_ratios")
+            cells = figure.add_gridspec(rows, 2 * columns, height_ratios=heights)
             for place, axes in enumerate(panels):
                 row, column = divmod(place, columns)
                 start = 2 * column + (lacking if row == rows - 1 else 0)

@@ -23,6 +23,9 @@ FREQUENCY_BAND = 4e-3
 """Narrowest axis of frequencies as a part of them, four times the error by the mesh that is
 allowed: below it one would look at that."""
 
+# In inches: narrower panels have ticks every 90 deg, whose numbers would touch at 60.
+WIDE = 4.0
+
 # Half the height of a y axis over the span of the values on it: some 7 % of the panel are free
 # below them, and as much above.
 HALF_AXIS = 0.58
@@ -72,6 +75,21 @@ def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) ->
     axes.xaxis.set_major_formatter(ticker.ScalarFormatter(useOffset=False))
 
 
+def label_angles(drawn: Sheet, angles: FloatArray) -> None:
+    """Scale and label the axes along x of panels over the crank angle.
+
+    Parameters
+    ----------
+    drawn : Sheet
+    angles : ndarray
+        Crank angles in degrees, ascending.
+    """
+    width = drawn.figure.get_figwidth()
+    for axes in drawn.panels:
+        crank_angle_axis(axes, angles, narrow=axes.get_position().width * width < WIDE)
+    drawn.label_x("Crank angle (deg)")
+
+
 def round_step(span: float, most: int, steps: Sequence[float]) -> float:
     """Smallest round step, or multiple of the last one, that cuts a span into so many parts.
 
@@ -104,7 +122,18 @@ def plain_numbers(axes: Axes) -> None:
 
 
 def ticks_within(low: float, high: float, most: int) -> FloatArray:
-    """Round numbers between two values, so many intervals of them at most."""
+    """Round numbers between two values.
+
+    Parameters
+    ----------
+    low, high : float
+    most : int
+        Greatest number of intervals.
+
+    Returns
+    -------
+    ndarray
+    """
     locator = ticker.MaxNLocator(most, steps=[1, 2, 2.5, 5, 10])
     places = np.asarray(locator.tick_values(low, high))
     return places[(places >= low) & (places <= high)]

@@ -450,8 +450,6 @@ HEIGHT, NARROW_HEIGHT, BRANCH_HEIGHT = 3.9, 3.2, 1.45
 FILL: Look = {"alpha": 0.22, "lw": 0}
 # Of marks, in points: they show where many branches lie close to each other.
 POINT_SIZE = 2.2
-# Of the axes' height: distance of two numbers at the edge, so that they do not touch.
-NUMBER_HEIGHT = 0.035
 # Of the lowest mean frequency, at which the axis begins: the linkage may be near to buckling, where
 # the lowest frequency is zero, which has no place on a logarithmic axis.
 LOWEST_PART = 0.4

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -16,6 +16,7 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
@@ -237,19 +238,17 @@ def line_handle(label: str, **properties: Any) -> Artist:
     return Line2D([], [], label=label, **properties)
 
 
-def line_handles(looks: Mapping[str, Look]) -> list[Artist]:
-    """Legend entries of lines by their labels."""
-    return [line_handle(label, **look) for label, look in looks.items()]
+def legend_handles(looks: Mapping[str, Look]) -> list[Artist]:
+    """Legend entries by their labels: lines, and patches where a look has a face."""
+    return [
+        (Patch(label=label, **look) if "facecolor" in look else line_handle(label, **look))
+        for label, look in looks.items()
+    ]
 
 
 def series_handle(number: int, label: str, **properties: Any) -> Artist:
     """Legend entry in the style of a series; properties are those of ``Line2D``."""
     return line_handle(label, **(series_line(number) | properties))
-
-
-def series_handles(labels: Iterable[str], points: FloatArray | None = None) -> list[Artist]:
-    """Legend entries of series in order; each of the points is marked where they are few."""
-    return [line_handle(label, **series_line(n, points)) for n, label in enumerate(labels)]
 
 
 def distinct_names(names: list[str]) -> list[str]:

@@ -147,7 +147,7 @@ DRAWN: dict[Plot, list[Row]] = {
     plots.plot_hammer: [Row(2, "Coherence", lambda d: d["coherence"][0])],
     plots.plot_harmonic_frf: [
         Row(0, "|H₋₁| (m/N)", lambda d: abs(harmonic(d, -1))),
-        Row(4, "|H$_{+1}$| (m/N)", lambda d: abs(harmonic(d, 1))),
+        Row(4, "|H₊₁| (m/N)", lambda d: abs(harmonic(d, 1))),
     ],
     plots.plot_hygrothermal_effect: [
         Row(1, "Natural frequency (Hz)", lambda d: d["frequency"][:, 0, 0, :, 1]),
