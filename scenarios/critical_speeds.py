@@ -23,7 +23,6 @@ from flexmech import (
     ExudynEngine,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     campbell,
     natural_frequencies,
     response,
@@ -118,7 +117,7 @@ def with_damping(mechanism: Mechanism) -> Mechanism:
 
 def _peaks(engine: Engine, speed: float) -> FloatArray:
     """Greatest deflections over a turn of the periodic motion in m: crank, coupler, rocker."""
-    found = response(engine, ResponseRequest(speed, 1.0, start="periodic"))
+    found = response(engine, speed, 1.0, start="periodic")
     return np.abs(found.peaks()["deflection"].isel(engine=0).values)
 
 
