@@ -14,7 +14,6 @@ from flexmech import (
     ExudynEngine,
     HygrothermalState,
     ReferenceEngine,
-    ResponseRequest,
     example_model,
     load_mechanism,
     mechanism_in_state,
@@ -33,7 +32,7 @@ for name in NAMES:
         mechanism = mechanism_in_state(mechanism, WET)
     engines = [ReferenceEngine(mechanism, ELEMENTS), ExudynEngine(mechanism, ELEMENTS)]
     for speed in SPEEDS:
-        run = response(engines, ResponseRequest(ConstantSpeed(speed), 2.0, samples=SAMPLES))
+        run = response(engines, ConstantSpeed(speed), revolutions=2.0, samples=SAMPLES)
         print(run.summary())
         for picture, figure in run.figures().items():
             figure.savefig(f"{name}_{speed:g}_{picture}.png")

@@ -16,7 +16,6 @@ import numpy as np
 from flexmech import (
     ExudynEngine,
     ReferenceEngine,
-    ResponseRequest,
     campbell,
     example_model,
     load_mechanism,
@@ -46,7 +45,7 @@ def damped(mechanism):
 
 def peaks(engine, speed):
     """Greatest deflection of each link in m, over a turn of the periodic motion."""
-    run = response(engine, ResponseRequest(speed, 1.0, start="periodic"))
+    run = response(engine, speed, revolutions=1.0, start="periodic")
     return np.abs(run.peaks()["deflection"].isel(engine=0).values)
 
 

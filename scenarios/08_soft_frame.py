@@ -21,7 +21,6 @@ from flexmech import (
     ConstantSpeed,
     FrameSpring,
     ReferenceEngine,
-    ResponseRequest,
     SprungFrame,
     example_model,
     load_mechanism,
@@ -45,8 +44,9 @@ for frequency in FREQUENCIES:
     damping = 2 * DAMPING_RATIO * stiffness / circular
     springs = tuple(FrameSpring(place, (stiffness,) * 2, (damping,) * 2) for place in PLACES)
     mechanism = replace(four_bar, frame=SprungFrame(MASS, INERTIA, CENTRE, springs))
-    request = ResponseRequest(ConstantSpeed(SPEED), revolutions=1.0, start="periodic")
-    data = response(ReferenceEngine(mechanism, ELEMENTS), request).dataset.isel(engine=0)
+    engine = ReferenceEngine(mechanism, ELEMENTS)
+    run = response(engine, ConstantSpeed(SPEED), revolutions=1.0, start="periodic")
+    data = run.dataset.isel(engine=0)
     floor.append(float(data["peak_floor_force"]))
     shaking.append(np.hypot(*data["shaking_force"].transpose("component", "time").values).max())
     moved.append(1e3 * float(data["peak_frame_displacement"]))

@@ -19,7 +19,6 @@ from flexmech import (
     ConstantSpeed,
     ExudynEngine,
     ReferenceEngine,
-    ResponseRequest,
     compare_with_record,
     example_model,
     load_mechanism,
@@ -36,7 +35,7 @@ damped = {
     name: section.with_damping_ratio(RATIO, FREQUENCY) for name, section in plain.sections.items()
 }
 simulation = ExudynEngine(replace(plain, sections=damped), ELEMENTS)
-run = response(simulation, ResponseRequest(ConstantSpeed(SPEED), 4.0, 360, step=1e-4))
+run = response(simulation, ConstantSpeed(SPEED), revolutions=4.0, samples=360, step=1e-4)
 data = run.dataset.isel(engine=0, time=slice(FIRST, None))
 
 comparisons, held = {}, {}

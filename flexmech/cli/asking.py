@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -85,19 +84,17 @@ def question(
     -------
     callable
     """
-    marks = options_of(asked)
-    names = {name: mark.option for name, mark in marks.items() if not isinstance(mark, Together)}
-    tells_progress = "progress" in inspect.signature(asked).parameters
 
     def command(model: Any, keywords: dict[str, Any], output: Output) -> None:
-        mechanism, speeds = mechanism_of(model), None
+        mechanism, speeds, marks = mechanism_of(model), None, options_of(asked)
+        names = {name: m.option for name, m in marks.items() if not isinstance(m, Together)}
         for name, mark in marks.items():
             if isinstance(mark, TypedSpeeds):
                 speeds = speeds_or_own(keywords[name], mechanism, mark.option, mark.usual)
                 keywords |= speeds.keywords(name)
 
         def compute(progress: Any) -> Any:
-            told = {"progress": progress} if tells_progress else {}
+            told = {"progress": progress} if hasattr(asked, "progress") else {}
             with naming_options(names):
                 room = import_module(f"flexmech.analyses.{function}.compute")
                 return getattr(room, function)(mechanism, **keywords, **told)

@@ -248,13 +248,11 @@ class _Making:
         return [
             response_analysis.response(
                 self.engines[0],
-                analyses.ResponseRequest(
-                    float(speed),
-                    revolutions=1.0,
-                    start="periodic",
-                    modes=self.request.modes or choices.MODES,
-                    speed_unit=self.request.speed_unit,
-                ),
+                float(speed),
+                revolutions=1.0,
+                start="periodic",
+                modes=self.request.modes or choices.MODES,
+                speed_unit=self.request.speed_unit,
                 environment=state,
                 progress=self.progress,
             )

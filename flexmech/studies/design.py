@@ -11,7 +11,6 @@ import numpy as np
 from flexmech.analyses.frequencies.extremes import Extremes
 from flexmech.analyses.frequencies.positions import frequency_extremes
 from flexmech.analyses.response.compute import response
-from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual_vibration import amplitudes_after_stop
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, Prestress
@@ -146,8 +145,7 @@ class Design:
             If there is no such link.
         """
         if speed not in self._runs:
-            request = ResponseRequest(speed, 1.0, start="periodic")
-            self._runs[speed] = response(self.engine, request).peaks()
+            self._runs[speed] = response(self.engine, speed, 1.0, start="periodic").peaks()
         peaks = self._runs[speed][name].isel(engine=0)  # type: ignore[index]
         if link is not None:
             peaks = peaks.isel(link=self._place(link))

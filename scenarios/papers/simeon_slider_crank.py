@@ -16,7 +16,6 @@ from flexmech import (
     ConstantSpeed,
     ExudynEngine,
     ReferenceEngine,
-    ResponseRequest,
     example_model,
     load_mechanism,
     plots,
@@ -48,9 +47,9 @@ engines = {
     "Exudyn": ExudynEngine(mechanism, ELEMENTS, "ancf"),
 }
 turns = END * SPEED / (2 * np.pi)
-request = ResponseRequest(ConstantSpeed(SPEED), turns, samples=1000, start="equilibrium", step=STEP)
+settings = {"revolutions": turns, "samples": 1000, "start": "equilibrium", "step": STEP}
 for label, engine in engines.items():
-    data = response(engine, request).dataset
+    data = response(engine, ConstantSpeed(SPEED), **settings).dataset
     deflection = data["deflection"].isel(engine=0).sel(link="rod")
     curves[label] = np.interp(TIME, data["time"], deflection)
 

@@ -238,7 +238,7 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
         flexmech.campbell,
         {"mechanism": ARM, "crank_speeds": [0.0], "crank_angles": [0.0, 2.0, 4.0], "orders": (1,)},
     ),
-    "response": (flexmech.response, {"engines": ARM, "speed": RUN, "check_mesh": False}),
+    "response": (partial(flexmech.response, ARM, RUN), {"check_mesh": False}),
     "run": (ResponseRequest, {"speed": DRIVE, "revolutions": 1.0, "samples": 60, "step": 1e-3}),
     "hammer": (partial(flexmech.hammer_test, ARM), {"request": flexmech.HammerRequest(0.0)}),
     "kinematics": (flexmech.kinematics, {"mechanism": MECHANISM, "speed": None}),

@@ -23,7 +23,7 @@ import numpy as np
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.default_engines import engine_for, engine_kind
-from flexmech.analyses.requests import Engines, engine_of, engines_of
+from flexmech.analyses.requests import Engines, asks, engine_of, engines_of
 from flexmech.analyses.response.dataset import add_mesh_errors, build_dataset
 from flexmech.analyses.response.driven import with_motor
 from flexmech.analyses.response.motor_passes import KnownMotion, MotorPasses
@@ -54,7 +54,6 @@ from flexmech.mechanics.running import DrivenLinkage, LinkState, ShaftTorque
 from flexmech.mechanism import Mechanism
 from flexmech.solvers import linear_run, state_under_motor
 from flexmech.threads import one_thread
-from flexmech.validation import check_flag
 
 logger = logging.getLogger(__name__)
 
@@ -209,15 +208,8 @@ def _turn(
 System = TypeVar("System", covariant=True)
 
 
-def response(
-    engines: Engines,
-    speed: ResponseRequest | Drive | MotorDrive | float | None = None,
-    *,
-    speed_unit: str | None = None,
-    check_mesh: bool = False,
-    environment: Environment | None = None,
-    progress: LabelledProgress | None = None,
-) -> Response:
+@asks(ResponseRequest)
+def response(mechanism: Engines, request: ResponseRequest) -> Response:
     """Run a linkage at constant crank speed, by a law of motion of its crank, or under a motor.
 
     Engines that simulate (Exudyn) run the nonlinear motion; the others the equations of
@@ -227,20 +219,8 @@ def response(
 
     Parameters
     ----------
-    engines : Engine, Mechanism or sequence of them
+    mechanism : Mechanism, Engine or sequence of them
         All of one mechanism; of a mechanism the reference engine is made.
-    speed : float, Drive, MotorDrive or ResponseRequest, optional
-        Crank speed in ``speed_unit``, a drive in rad/s, a motor, or all that a run can be asked to
-        be. Left out: the mechanism's drive, or the greatest speed at which it operates.
-    speed_unit : str, optional
-        Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s,
-        that of the request, or that of the model file for the mechanism's speed.
-    check_mesh : bool
-        Run again with twice the elements.
-    environment : HygrothermalState or Exposure, optional
-        Heat and moisture that the mechanism runs in; dry by default.
-    progress : callable, optional
-        Called with a label, the steps done and the steps to do.
 
     Returns
     -------
@@ -257,14 +237,12 @@ def response(
     Examples
     --------
     >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"))
-    >>> request = flexmech.ResponseRequest(20.0, revolutions=0.25)
-    >>> run = flexmech.response(engine, request)
+    >>> run = flexmech.response(engine, 20.0, revolutions=0.25)
     >>> [str(name) for name in run.dataset["deflection"].dims]
     ['engine', 'time', 'link']
     """
-    check_flag(check_mesh, "check_mesh")
-    engines, report = engines_of(engines), progress or silent
-    request = _request(speed, speed_unit, engines[0].mechanism)
+    engines, report = engines_of(mechanism), request.progress or silent
+    request, environment = request.of(engines[0].mechanism), request.environment
     engines, request = with_motor(engines, request, environment)
     chosen, lines = engines_in_state(engines, request, environment)
     check_stops(chosen, request)
@@ -281,7 +259,7 @@ def response(
             request = replace(request, speed=known)
         runs = [run_engine(engine, request, plan, report) for engine in chosen]
         dataset = build_dataset(runs, request, plan)
-        if check_mesh:
+        if request.check_mesh:
             add_mesh_errors(dataset, [mesh_error(run, request, plan, report) for run in runs])
         dataset = with_shaped_law(dataset, chosen, request, report)
     if plan.note:

@@ -10,9 +10,10 @@ import numpy as np
 from flexmech import choices
 from flexmech.analyses.aspects.shaking import checked_point
 from flexmech.analyses.crank_speeds import RAD_S, asked_speeds, in_unit, one_rad_per_s
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.crank_values import GREATEST
 from flexmech.errors import InputError
+from flexmech.hygrothermal import Environment
 from flexmech.linkages import ConstantSpeed, Drive, MotorDrive, MotorRun
 from flexmech.linkages.drives.shaped import check_shapeable
 from flexmech.mechanism import Mechanism, motor_run, settled_run
@@ -21,6 +22,7 @@ from flexmech.validation import (
     Bounds,
     check_choice,
     check_count,
+    check_flag,
     check_instance,
     check_number,
 )
@@ -138,6 +140,12 @@ class ResponseRequest:
         About which the shaking moment is taken, in ground axes in m; the shaft's axis if left out.
     shaping : Shaping, optional
         An input shaper for a law that stops, whose run is told beside that of the plain law.
+    check_mesh : bool
+        Run again with twice the elements.
+    environment : HygrothermalState or Exposure, optional
+        Heat and moisture that the mechanism runs in; dry by default.
+    progress : callable, optional
+        Called with a label, the steps done and the steps to do.
 
     Raises
     ------
@@ -165,6 +173,9 @@ class ResponseRequest:
     run_up_time: float = field(default=0.0, repr=False)
     moment_point: tuple[float, float] | None = field(default=None, repr=False)
     shaping: Shaping | None = field(default=None, repr=False)
+    check_mesh: bool = field(default=False, repr=False)
+    environment: Environment | None = field(default=None, repr=False)
+    progress: LabelledProgress | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "moment_point", checked_point(self.moment_point))
@@ -174,6 +185,7 @@ class ResponseRequest:
                 f"a {type(self.speed).__name__} is in rad/s and has its own run-up; leave "
                 "speed_unit and run_up_time out, or give the speed as a number"
             )
+        check_flag(self.check_mesh, "check_mesh")
         check_number(self.revolutions, "revolutions", "", POSITIVE)
         check_count(self.samples, "samples", 8, "a revolution")
         check_count(self.modes, "modes", most=choices.MOST_MODES)

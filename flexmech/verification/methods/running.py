@@ -11,7 +11,6 @@ import numpy as np
 
 from flexmech.analyses import deflections
 from flexmech.analyses.response.compute import response
-from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
 from flexmech.choices import EngineName
 from flexmech.linkages import ConstantSpeed
@@ -81,8 +80,8 @@ def running_deflection(
     ndarray, shape (n,)
         In mm.
     """
-    request = ResponseRequest(ConstantSpeed(crank_speed), revolutions=1, samples=SAMPLES)
-    run = response(engine_of_name(engine, example(model), elements), request)
+    chosen = engine_of_name(engine, example(model), elements)
+    run = response(chosen, ConstantSpeed(crank_speed), revolutions=1, samples=SAMPLES)
     curve = np.asarray(run.dataset["deflection"].isel(engine=0).sel(link="coupler"))
     # A sample is a degree.
     return np.asarray(1e3 * curve[: most + 1 : every])
@@ -282,8 +281,7 @@ def running_rod_peak(*, engine: EngineName, elements: int, step: float) -> Float
     """
     chosen = engine_of_name(engine, example("slider_crank"), elements, element=SLENDER[engine])
     turns = END_TIME * CRANK_SPEED / (2 * np.pi)
-    request = ResponseRequest(
-        ConstantSpeed(CRANK_SPEED), turns, samples=1000, start="equilibrium", step=step
-    )
-    found = response(chosen, request).dataset["deflection"].isel(engine=0).sel(link="rod")
+    drive = ConstantSpeed(CRANK_SPEED)
+    run = response(chosen, drive, turns, samples=1000, start="equilibrium", step=step)
+    found = run.dataset["deflection"].isel(engine=0).sel(link="rod")
     return np.array([float(np.abs(found).max())])
