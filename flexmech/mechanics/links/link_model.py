@@ -131,21 +131,46 @@ class VectorMap(Protocol):
     """
 
     def to_nodes(self, axis: FloatArray) -> FloatArray:
-        """Coordinates x."""
+        """Coordinates x.
+
+        Parameters
+        ----------
+        axis : ndarray, shape (B, n)
+        """
 
     def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
-        """Time derivative ``x'`` by that of q."""
+        """Time derivative ``x'`` by that of q.
+
+        Parameters
+        ----------
+        axis, rate : ndarray, shape (B, n)
+        """
 
     def acceleration_to_nodes(
         self, axis: FloatArray, rate: FloatArray, acceleration: FloatArray
     ) -> FloatArray:
-        """Second time derivative ``x''`` by those of q."""
+        """Second time derivative ``x''`` by those of q.
+
+        Parameters
+        ----------
+        axis, rate, acceleration : ndarray, shape (B, n)
+        """
 
     def force(self, axis: FloatArray, force: FloatArray) -> FloatArray:
-        """Forces on x as those on q."""
+        """Forces on x as those on q.
+
+        Parameters
+        ----------
+        axis, force : ndarray, shape (B, n)
+        """
 
     def geometric_stiffness(self, axis: FloatArray, force: FloatArray) -> FloatArray:
-        """Second derivative by q of the work of constant forces on x, (B, n, n)."""
+        """Second derivative by q of the work of constant forces on x, (B, n, n).
+
+        Parameters
+        ----------
+        axis, force : ndarray, shape (B, n)
+        """
 
 
 @dataclass(frozen=True, eq=False)
