@@ -6,7 +6,6 @@ Text is exact: it reads back to the float that it was written from, to the last 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from decimal import Context, Decimal
 from typing import Any
@@ -86,31 +85,6 @@ def stated(**quantities: tuple[float | None, Dimension]) -> TomlTable:
         key: quantity(value, dimension)
         for key, (value, dimension) in quantities.items()
         if value is not None
-    }
-
-
-def fields_table(record: object, dimensions: Mapping[str, Dimension]) -> TomlTable:
-    """Table of a record's fields by their names, without those that are as if left out.
-
-    Parameters
-    ----------
-    record : dataclass instance
-        Fields hold a number, a tuple of numbers, or None.
-    dimensions : mapping of str to Dimension
-        Of the fields that are written, in their order.
-
-    Returns
-    -------
-    dict
-    """
-    assert is_dataclass(record)
-    usual = {field.name: field.default for field in fields(record)}
-    return {
-        name: [quantity(part, dimension) for part in value]
-        if isinstance(value, tuple)
-        else quantity(value, dimension)
-        for name, dimension in dimensions.items()
-        if name in usual and (value := getattr(record, name)) != usual[name]
     }
 
 

@@ -9,16 +9,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech import units
+from flexmech import si, units
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import GROUND_AFTER_LINKS
 from flexmech.linkages.motion import RigidMotion, cross, turned
 from flexmech.linkages.topology import Topology
-from flexmech.model_text import TomlTable, fields_table, quantity
+from flexmech.model_text import TomlTable, quantity
 from flexmech.validation import (
-    NOT_NEGATIVE,
-    POSITIVE,
     check_choice,
     check_instance,
     check_number,
@@ -223,11 +221,11 @@ class Spring:
     name : str
     first, second : AttachmentPoint
     stiffness : float
-        In N/m.
+        Force per elongation in N/m.
     free_length : float
-        Without force, in m.
+        Length without force in m.
     damping : float
-        In N s/m.
+        Of the damper beside it in N s/m.
 
     Raises
     ------
@@ -245,15 +243,13 @@ class Spring:
     name: str
     first: AttachmentPoint
     second: AttachmentPoint
-    stiffness: float
-    free_length: float
-    damping: float = 0.0
+    stiffness: si.SpringStiffness
+    free_length: si.LengthOrZero
+    damping: si.Damping = 0.0
 
     def __post_init__(self) -> None:
         what = f"spring {self.name}"
-        check_number(self.stiffness, f"{what}: stiffness", "N/m", NOT_NEGATIVE)
-        check_number(self.free_length, f"{what}: free_length", "m", NOT_NEGATIVE)
-        check_number(self.damping, f"{what}: damping", "N s/m", NOT_NEGATIVE)
+        si.check(self, f"{what}: {{}}")
         for end in (self.first, self.second):
             check_instance(end, AttachmentPoint, f"each end of {what}", _POINT)
         if self.first.link == self.second.link:
@@ -261,13 +257,7 @@ class Spring:
 
     def to_table(self) -> TomlTable:
         """Entry of ``[springs]`` of a model file."""
-        dimensions = {
-            "stiffness": units.SPRING_STIFFNESS,
-            "free_length": units.LENGTH,
-            "damping": units.DAMPING,
-        }
-        ends = [self.first.to_table(), self.second.to_table()]
-        return {"points": ends, **fields_table(self, dimensions)}
+        return {"points": [self.first.to_table(), self.second.to_table()], **si.table(self)}
 
 
 @dataclass(frozen=True)
@@ -278,18 +268,18 @@ class JointSpring:
     ----------
     joint : str
     torsional_stiffness : float
-        In N m/rad.
+        Of a spring in a pin or pivot in N m/rad.
     torsional_damping : float
-        In N m s/rad.
+        Of a damper in a pin or pivot in N m s/rad.
     free_angle : float
         Angle of the following link less that of the leading one, or of a pivoted link, in rad,
-        at which the spring has no torque; counted on continuously as the linkage turns, from the
-        angles at crank angle zero (:func:`flexmech.linkages.continuous_angles`, which
+        at which the spring has no torque. It is counted on continuously as the linkage turns, from
+        the angles at crank angle zero (:func:`flexmech.linkages.continuous_angles`, which
         ``flexmech kinematics`` writes too).
     radial_stiffness : float, optional
-        In N/m, the same in all directions; None where the pin is rigid.
+        Of the bearing in N/m, the same in all directions; without it the pin does not give way.
     radial_damping : float
-        In N s/m.
+        Of the bearing in N s/m, with ``radial_stiffness``.
 
     Raises
     ------
@@ -304,22 +294,16 @@ class JointSpring:
     """
 
     joint: str
-    torsional_stiffness: float = 0.0
-    torsional_damping: float = 0.0
-    free_angle: float = 0.0
-    radial_stiffness: float | None = None
-    radial_damping: float = 0.0
+    torsional_stiffness: si.TorsionalStiffness = 0.0
+    torsional_damping: si.TorsionalDamping = 0.0
+    free_angle: si.Angle = 0.0
+    radial_stiffness: si.RadialStiffness | None = None
+    radial_damping: si.Damping = 0.0
 
     def __post_init__(self) -> None:
         what = f"spring in joint {self.joint}"
-        turning, damping = self.torsional_stiffness, self.torsional_damping
-        check_number(turning, f"{what}: torsional_stiffness", "N m/rad", NOT_NEGATIVE)
-        check_number(damping, f"{what}: torsional_damping", "N m s/rad", NOT_NEGATIVE)
-        check_number(self.free_angle, f"{what}: free_angle", "rad")
-        check_number(self.radial_damping, f"{what}: radial_damping", "N s/m", NOT_NEGATIVE)
-        if self.radial_stiffness is not None:
-            check_number(self.radial_stiffness, f"{what}: radial_stiffness", "N/m", POSITIVE)
-        elif self.radial_damping:
+        si.check(self, f"{what}: {{}}")
+        if self.radial_stiffness is None and self.radial_damping:
             raise InputError(f"{what}: radial_damping needs a radial_stiffness beside it")
 
     def torque(self, opening: FloatArray, rate: FloatArray) -> FloatArray:
@@ -339,16 +323,9 @@ class JointSpring:
 
     def to_table(self) -> TomlTable:
         """Keys of the joint in a model file."""
-        dimensions = {
-            "torsional_stiffness": units.TORSIONAL_STIFFNESS,
-            "torsional_damping": units.TORSIONAL_DAMPING,
-            "free_angle": units.ANGLE,
-            "radial_stiffness": units.SPRING_STIFFNESS,
-            "radial_damping": units.DAMPING,
-        }
         # Stated even where it is zero, so that a spring without effect is read back too.
         stiffness = quantity(self.torsional_stiffness, units.TORSIONAL_STIFFNESS)
-        return {"torsional_stiffness": stiffness, **fields_table(self, dimensions)}
+        return {"torsional_stiffness": stiffness, **si.table(self)}
 
 
 Moved = Callable[[int, float], tuple[FloatArray, FloatArray]]

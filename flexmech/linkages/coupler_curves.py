@@ -44,11 +44,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech import si
 from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 from flexmech.linkages.motion import RigidMotion, cross, direction
-from flexmech.model_text import TomlTable, fields_table, short_repr
+from flexmech.model_text import TomlTable, short_repr
 from flexmech.plausible import check_plausible, of_dimension
 from flexmech.units import ANGLE, LENGTH, parse_quantity
 from flexmech.validation import POSITIVE, check_angle, check_instance, check_number
@@ -90,7 +91,7 @@ class CouplerPoint:
     distance : float
         Distance e of the point from pin A in m; zero puts it in the pin.
     angle : float
-        Angle gamma from the coupler's line A-B to A-E in rad, counter-clockwise.
+        Angle gamma in rad at A from the line A-B to the point, to the left positive.
 
     Raises
     ------
@@ -104,8 +105,8 @@ class CouplerPoint:
     array([ 0.02528, -0.02121])
     """
 
-    distance: float
-    angle: float
+    distance: si.LengthOrZero
+    angle: si.Angle
 
     def __post_init__(self) -> None:
         check_number(self.distance, "distance of the coupler point from pin A", "m")
@@ -195,7 +196,7 @@ class CouplerPoint:
 
     def to_table(self) -> TomlTable:
         """Table ``[linkage.coupler_point]`` of a model file."""
-        return fields_table(self, {"distance": LENGTH, "angle": ANGLE})
+        return si.table(self)
 
 
 @dataclass(frozen=True)

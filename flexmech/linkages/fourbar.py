@@ -10,6 +10,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech import si
 from flexmech.arrays import ROUND_OFF, SAME_PLACE, FloatArray
 from flexmech.errors import AssemblyError, InputError
 from flexmech.linkages.body_motion import CRANK, GROUND_BODY, BodyMotion
@@ -18,9 +19,8 @@ from flexmech.linkages.motion import RigidMotion, checked_drive
 from flexmech.linkages.planar.bodies import Refusal
 from flexmech.linkages.planar.dyads import Circle, TwoLoci
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
-from flexmech.model_text import TomlTable, quantity
-from flexmech.units import LENGTH
-from flexmech.validation import POSITIVE, check_choice, check_number, checked_array, checked_tuple
+from flexmech.model_text import TomlTable
+from flexmech.validation import check_choice, checked_array, checked_tuple
 
 Branch = Literal["open", "crossed"]
 GrashofClass = Literal[
@@ -37,8 +37,14 @@ class FourBar:
 
     Parameters
     ----------
-    ground, crank, coupler, rocker : float
-        Link lengths r1, r2, r3, r4 in m.
+    ground : float
+        Distance r1 between the ground pivots O2 and O4 in m.
+    crank : float
+        Crank length r2 in m, O2 to A.
+    coupler : float
+        Coupler length r3 in m, A to B.
+    rocker : float
+        Rocker length r4 in m, O4 to B.
     branch : {"open", "crossed"}
         "open" has B to the left of the line from A to O4 (above it at crank angle zero). At a
         change point the motion goes on smoothly, to the other side of that line; if one is at
@@ -62,18 +68,17 @@ class FourBar:
     array([32.21, 81.33])
     """
 
-    ground: float
-    crank: float
-    coupler: float
-    rocker: float
+    ground: si.Length
+    crank: si.Length
+    coupler: si.Length
+    rocker: si.Length
     branch: Branch = "open"
     sprung: tuple[str, ...] = field(default=(), repr=False)
 
     kind: ClassVar[str] = "four-bar"
 
     def __post_init__(self) -> None:
-        for name, length in self.lengths.items():
-            check_number(length, f"length of the {name}", "m", POSITIVE)
+        si.check(self, "length of the {}")
         check_choice(self.branch, ("open", "crossed"), "branch")
         sprung = checked_tuple(self.sprung, str, "sprung", "give names of joints, as ('A',)")
         object.__setattr__(self, "sprung", tuple(sorted(sprung)))
@@ -321,5 +326,4 @@ class FourBar:
 
     def to_table(self) -> TomlTable:
         """Table ``[linkage]`` of a model file."""
-        lengths = {name: quantity(length, LENGTH) for name, length in self.lengths.items()}
-        return {"kind": self.kind, **lengths, "branch": self.branch}
+        return {"kind": self.kind, **si.table(self), "branch": self.branch}

@@ -9,13 +9,12 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech import si
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, checked_drive, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Topology
-from flexmech.model_text import TomlTable, quantity
-from flexmech.units import LENGTH
-from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_number
+from flexmech.model_text import TomlTable
 
 
 @dataclass(frozen=True)
@@ -25,7 +24,7 @@ class RotatingArm:
     Parameters
     ----------
     length : float
-        Arm length in m.
+        Arm length in m, from the clamp to the free end.
     hub_radius : float
         Distance from the axis to the clamp in m; zero or more.
 
@@ -41,14 +40,13 @@ class RotatingArm:
     array([0.32, 0.  ])
     """
 
-    length: float
-    hub_radius: float = 0.0
+    length: si.Length
+    hub_radius: si.LengthOrZero = 0.0
 
     kind: ClassVar[str] = "rotating-arm"
 
     def __post_init__(self) -> None:
-        check_number(self.length, "length of the arm", "m", POSITIVE)
-        check_number(self.hub_radius, "hub_radius", "m", NOT_NEGATIVE)
+        si.check(self, "{} of the arm")
 
     @property
     def topology(self) -> Topology:
@@ -139,8 +137,4 @@ class RotatingArm:
 
     def to_table(self) -> TomlTable:
         """Table ``[linkage]`` of a model file."""
-        return {
-            "kind": self.kind,
-            "length": quantity(self.length, LENGTH),
-            "hub_radius": quantity(self.hub_radius, LENGTH),
-        }
+        return {"kind": self.kind, **si.table(self)}

@@ -9,12 +9,12 @@ from functools import lru_cache
 from importlib import resources
 from typing import Any, ClassVar
 
-from flexmech import units
+from flexmech import si, units
 from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, short_repr
-from flexmech.validation import FINITE, NOT_NEGATIVE, POSITIVE, Bounds, check_fields, check_number
+from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
+from flexmech.validation import NOT_NEGATIVE, check_number
 
 # Properties by the names of their fields.
 DIMENSIONS = {
@@ -41,15 +41,15 @@ class Constituent:
     ----------
     name : str
     youngs_modulus : float
-        E in Pa; of a fibre, along it.
+        Young's modulus E in Pa; of a fibre, along it.
     shear_modulus : float
-        G in Pa.
+        Shear modulus G in Pa.
     density : float
-        In kg/m^3.
+        Density rho in kg/m^3.
     poisson_ratio : float
-        Between 0 and 0.5.
+        Poisson's ratio nu, between 0 and 0.5.
     thermal_expansion : float
-        In 1/K.
+        Strain per temperature in 1/K.
     moisture_expansion : float
         Strain per unit of moisture, mass over the constituent's dry mass.
     specific_damping : float
@@ -67,13 +67,13 @@ class Constituent:
     """
 
     name: str
-    youngs_modulus: float
-    shear_modulus: float
-    density: float
-    poisson_ratio: float
-    thermal_expansion: float = 0.0
-    moisture_expansion: float = 0.0
-    specific_damping: float = 0.0
+    youngs_modulus: si.Stress
+    shear_modulus: si.Stress
+    density: si.Density
+    poisson_ratio: si.PositivePoissonRatio
+    thermal_expansion: si.Expansion = 0.0
+    moisture_expansion: si.MoistureExpansion = 0.0
+    specific_damping: si.SpecificDamping = 0.0
     source: str = ""
     uncertainty: Mapping[str, float] = field(default_factory=dict, hash=False)
 
@@ -82,11 +82,7 @@ class Constituent:
 
     def __post_init__(self) -> None:
         of = f"of {self.name!r}"
-        moduli = {"youngs_modulus": "Pa", "shear_modulus": "Pa", "density": "kg/m^3"}
-        check_fields(self, moduli, POSITIVE, of)
-        check_fields(self, {"specific_damping": "", "moisture_expansion": ""}, NOT_NEGATIVE, of)
-        check_fields(self, {"thermal_expansion": "1/K"}, FINITE, of)
-        check_fields(self, {"poisson_ratio": ""}, Bounds(least=0.0, below=0.5), of)
+        si.check(self, f"{{}} {of}")
         known = [name for name in DIMENSIONS if getattr(self, name, None) is not None]
         for name, value in self.uncertainty.items():
             if name not in known:
@@ -108,7 +104,7 @@ class Constituent:
 
     def to_table(self) -> TomlTable:
         """Table of a model file, without the name."""
-        table = fields_table(self, DIMENSIONS)
+        table = si.table(self)
         if self.source:
             table["source"] = self.source
         spreads = {
@@ -134,14 +130,16 @@ class Fibre(Constituent):
     Parameters
     ----------
     name : str
-    youngs_modulus, shear_modulus : float
-        Along the fibre (E1 and G12), in Pa.
+    youngs_modulus : float
+        Young's modulus E1 in Pa along the fibre.
+    shear_modulus : float
+        Shear modulus G12 in Pa.
     density : float
-        In kg/m^3.
+        Density rho in kg/m^3.
     poisson_ratio : float
         Contraction across over stretch along the fibre, between 0 and 0.5.
     thermal_expansion : float
-        In 1/K, along and across alike.
+        Strain per temperature in 1/K, along and across alike.
     moisture_expansion : float
         Strain per unit of moisture, mass over the fibre's dry mass.
     specific_damping : float
@@ -150,8 +148,10 @@ class Fibre(Constituent):
         Where the numbers are from.
     uncertainty : mapping of str to float
         Of properties whose source prints one, by their names, in the same units.
-    transverse_modulus, transverse_shear_modulus : float, optional
-        Across the fibre (E2 and G23), in Pa; those along it where left out.
+    transverse_modulus : float, optional
+        Young's modulus E2 in Pa across the fibre; that along it if left out.
+    transverse_shear_modulus : float, optional
+        Shear modulus G23 in Pa in the fibre's cross-section; G12 if left out.
 
     Raises
     ------
@@ -159,15 +159,10 @@ class Fibre(Constituent):
         As for any constituent, or if a transverse modulus is not positive.
     """
 
-    transverse_modulus: float | None = None
-    transverse_shear_modulus: float | None = None
+    transverse_modulus: si.Stress | None = None
+    transverse_shear_modulus: si.Stress | None = None
 
     kind: ClassVar[str] = "fibres"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        moduli = {"transverse_modulus": "Pa", "transverse_shear_modulus": "Pa"}
-        check_fields(self, moduli, POSITIVE, f"of {self.name!r}", optional=True)
 
     @property
     def modulus_across(self) -> float:
@@ -188,14 +183,16 @@ class Matrix(Constituent):
     Parameters
     ----------
     name : str
-    youngs_modulus, shear_modulus : float
-        Of the dry resin at the reference temperature, in Pa.
+    youngs_modulus : float
+        Young's modulus E in Pa of the dry resin at the reference temperature.
+    shear_modulus : float
+        Shear modulus G in Pa of the dry resin at the reference temperature.
     density : float
-        Of the dry resin in kg/m^3.
+        Density rho in kg/m^3 of the dry resin.
     poisson_ratio : float
-        Between 0 and 0.5.
+        Poisson's ratio nu, between 0 and 0.5.
     thermal_expansion : float
-        Of the dry resin in 1/K.
+        Strain per temperature in 1/K of the dry resin.
     moisture_expansion : float
         Strain per unit of moisture, mass of water over the resin's dry mass.
     specific_damping : float
@@ -220,18 +217,16 @@ class Matrix(Constituent):
         As for any constituent, or if a hygrothermal property or the strength cannot be.
     """
 
-    wet_thermal_expansion: float | None = None
+    wet_thermal_expansion: si.Expansion | None = None
     equilibrium: MoistureEquilibrium | None = None
     diffusivity: Diffusivity | None = None
-    glass_transition: float | None = None
-    tensile_strength: float | None = None
+    glass_transition: si.Temperature | None = None
+    tensile_strength: si.Stress | None = None
 
     kind: ClassVar[str] = "matrices"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        of = f"of {self.name!r}"
-        check_fields(self, {"tensile_strength": "Pa"}, POSITIVE, of, optional=True)
         _ = self.hygrothermal
 
     @property

@@ -11,16 +11,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech import si
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.model_text import TomlTable, quantity, short_repr, stated
-from flexmech.units import RATIO, STRESS
-from flexmech.validation import POSITIVE, Bounds, check_fields, check_number, check_pair
+from flexmech.model_text import TomlTable, quantity, short_repr
+from flexmech.units import STRESS
+from flexmech.validation import POSITIVE, check_number, check_pair
 
 Point = tuple[float, float]
 """Of an S-N line: cycles to failure, and their stress amplitude in Pa."""
-EXPONENT = Bounds(above=-1.0, below=0.0)
-"""Between which Basquin's exponent lies; of metals from -0.05 to -0.15."""
 _OF = "of fatigue"
 
 
@@ -33,14 +32,16 @@ class FatigueStrength:
     Parameters
     ----------
     tensile_strength : float
-        Mean stress in Pa that leaves room for no amplitude: the ultimate strength.
+        Ultimate strength in Pa, which Goodman's line of mean stress needs.
     endurance_limit : float, optional
-        Amplitude in Pa that is borne for ``endurance_cycles``, and counts as borne for ever.
-        Left out: no amplitude does, and load factors are to that of the second of ``sn_points``.
+        Stress amplitude in Pa without mean stress that is borne for ``endurance_cycles`` and counts
+        as borne for ever; of the part as it is made, with its surface and size. Left out: no
+        amplitude does, and load factors are to that of the second of ``sn_points``.
     endurance_cycles : float, optional
-        For how many cycles it was found.
+        For how many cycles ``endurance_limit`` was found.
     basquin_exponent : float, optional
-        Of the S-N line through the endurance limit: amplitudes grow with lives to this power.
+        Of the S-N line through the endurance limit: amplitude over cycles to this power, such as
+        -0.085.
     sn_points : tuple of tuple of float, optional
         In its place, two points of an S-N line: cycles to failure, and amplitude in Pa.
     source : str
@@ -60,18 +61,15 @@ class FatigueStrength:
     154800000.0
     """
 
-    tensile_strength: float
-    endurance_limit: float | None = None
-    endurance_cycles: float | None = None
-    basquin_exponent: float | None = None
+    tensile_strength: si.Stress
+    endurance_limit: si.Stress | None = None
+    endurance_cycles: si.Cycles | None = None
+    basquin_exponent: si.BasquinExponent | None = None
     sn_points: tuple[Point, Point] | None = None
     source: str = ""
 
     def __post_init__(self) -> None:
-        check_fields(self, {"tensile_strength": "Pa"}, POSITIVE, _OF)
-        limit = {"endurance_limit": "Pa", "endurance_cycles": ""}
-        check_fields(self, limit, POSITIVE, _OF, optional=True)
-        check_fields(self, {"basquin_exponent": ""}, EXPONENT, _OF, optional=True)
+        si.check(self, f"{{}} {_OF}")
         self._check_what_is_given()
         if self.sn_points is not None:
             object.__setattr__(self, "sn_points", _checked_points(self.sn_points))
@@ -262,12 +260,7 @@ class FatigueStrength:
         points = self.sn_points or ()
         line = [{"cycles": n, "amplitude": quantity(size, STRESS)} for n, size in points]
         return {
-            **stated(
-                tensile_strength=(self.tensile_strength, STRESS),
-                endurance_limit=(self.endurance_limit, STRESS),
-                endurance_cycles=(self.endurance_cycles, RATIO),
-                basquin_exponent=(self.basquin_exponent, RATIO),
-            ),
+            **si.table(self),
             **({"sn_points": line} if line else {}),
             **({"source": self.source} if self.source else {}),
         }
@@ -287,7 +280,8 @@ def _checked_points(points: tuple[Point, Point]) -> tuple[Point, Point]:
             "sn_points: the second point must have more cycles and a smaller amplitude than the "
             f"first; got {first:.6g} cycles at {high:.6g} Pa, {second:.6g} at {low:.6g} Pa"
         )
-    if not EXPONENT.hold(math.log(low / high) / math.log(second / first)):
+    # An exponent of -1 or less.
+    if math.log(high / low) >= math.log(second / first):
         raise InputError(
             "sn_points: the amplitude falls faster than the cycles rise; check their units"
         )

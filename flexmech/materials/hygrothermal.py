@@ -11,12 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech import units
+from flexmech import si, units
 from flexmech.arrays import ROUND_OFF
 from flexmech.errors import InputError
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.model_text import TomlTable, fields_table, short_repr, stated
-from flexmech.validation import NOT_NEGATIVE, POSITIVE, Bounds, check_fields
+from flexmech.model_text import TomlTable, short_repr, stated
 
 REFERENCE_TEMPERATURE = 293.15
 """Temperature in K at which dimensions and moduli are stated unless a model says otherwise."""
@@ -36,19 +35,19 @@ class Hygrothermal:
     Parameters
     ----------
     thermal_expansion : float
-        Of the dry resin in 1/K.
+        Strain per temperature in 1/K, dry.
     wet_thermal_expansion : float, optional
-        Of the resin in equilibrium with 100 % relative humidity in 1/K; the dry one if left
-        out. Between the two it is linear in the moisture.
+        Strain per temperature in 1/K at ``equilibrium_moisture``; the dry one if left out. Between
+        the two it is linear in the moisture.
     moisture_expansion : float
-        Strain per unit of moisture.
+        Strain per unit of moisture, as '3.02e-3 1/percent' in a model file.
     equilibrium : MoistureEquilibrium, optional
         Moisture that the resin takes up in the end. Without it the resin takes what it is
         given.
     diffusivity : Diffusivity, optional
         Of water in the resin.
     glass_transition : float, optional
-        Of the dry resin in K. Without it the resin does not soften.
+        Of the dry resin in K; without it heat and water do not soften it.
 
     Raises
     ------
@@ -57,18 +56,15 @@ class Hygrothermal:
         that it belongs to.
     """
 
-    thermal_expansion: float = 0.0
-    wet_thermal_expansion: float | None = None
-    moisture_expansion: float = 0.0
+    thermal_expansion: si.Expansion = 0.0
+    wet_thermal_expansion: si.Expansion | None = None
+    moisture_expansion: si.MoistureExpansion = 0.0
     equilibrium: MoistureEquilibrium | None = None
     diffusivity: Diffusivity | None = None
-    glass_transition: float | None = None
+    glass_transition: si.Temperature | None = None
 
     def __post_init__(self) -> None:
-        check_fields(self, {"thermal_expansion": "1/K"})
-        check_fields(self, {"moisture_expansion": ""}, NOT_NEGATIVE)
-        check_fields(self, {"wet_thermal_expansion": "1/K"}, optional=True)
-        check_fields(self, {"glass_transition": "K"}, POSITIVE, optional=True)
+        si.check(self)
         if self.wet_thermal_expansion is not None and self.equilibrium is None:
             raise InputError(
                 "wet_thermal_expansion is that of the saturated resin; give its "
@@ -87,15 +83,7 @@ class Hygrothermal:
 
     def to_table(self) -> TomlTable:
         """Keys of a resin or a material in a model file; empty where nothing is known."""
-        table = fields_table(
-            self,
-            {
-                "thermal_expansion": units.EXPANSION,
-                "wet_thermal_expansion": units.EXPANSION,
-                "moisture_expansion": units.MOISTURE_EXPANSION,
-                "glass_transition": units.TEMPERATURE,
-            },
-        )
+        table = si.table(self)
         if self.equilibrium is not None:
             table |= stated(
                 equilibrium_moisture=(self.equilibrium.saturation, units.RATIO),
@@ -261,9 +249,9 @@ class ResinContent:
     ----------
     hygrothermal : Hygrothermal
     mass_fraction : float
-        Of the ply's dry mass; 1 for a neat resin.
+        Of the dry ply; 1 of a neat resin.
     volume_fraction : float
-        Of the ply's volume.
+        Of the ply.
 
     Raises
     ------
@@ -272,12 +260,11 @@ class ResinContent:
     """
 
     hygrothermal: Hygrothermal
-    mass_fraction: float = 1.0
-    volume_fraction: float = 1.0
+    mass_fraction: si.Fraction = 1.0
+    volume_fraction: si.Fraction = 1.0
 
     def __post_init__(self) -> None:
-        fractions = {"mass_fraction": "", "volume_fraction": ""}
-        check_fields(self, fractions, Bounds(above=0.0, most=1.0), "of the resin")
+        si.check(self, "{} of the resin")
 
     def __repr__(self) -> str:
         return short_repr(
@@ -288,11 +275,7 @@ class ResinContent:
 
     def to_table(self) -> TomlTable:
         """Table ``resin`` of a ply in a model file."""
-        fractions = {
-            "mass_fraction": float(self.mass_fraction),
-            "volume_fraction": float(self.volume_fraction),
-        }
-        return {**self.hygrothermal.to_table(), **fractions}
+        return {**self.hygrothermal.to_table(), **si.table(self)}
 
 
 def _fahrenheit(temperature: float) -> float:

@@ -20,21 +20,20 @@ from typing import Self
 
 import numpy as np
 
+from flexmech import si
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 from flexmech.materials.composition import PlyComposition
 from flexmech.materials.micromechanics import ply_of
-from flexmech.materials.ply import MODULI, Ply
+from flexmech.materials.ply import Ply
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr, stated
 from flexmech.units import (
     ANGLE,
-    DENSITY,
     EXPANSION,
     LENGTH,
     MOISTURE_EXPANSION,
     NUMBER,
     RATIO,
-    STRESS,
     TEMPERATURE,
     parse_number,
 )
@@ -81,10 +80,8 @@ def _constants(ply: Ply) -> TomlTable:
     heat, water = ply.thermal_expansion, ply.moisture_expansion
     return {
         "type": "orthotropic",
-        **stated(**{name: (getattr(ply, name), STRESS) for name in MODULI}),
+        **si.table(ply, without={"thermal_expansion", "moisture_expansion", "yield_strength"}),
         **stated(
-            poisson_ratio=(ply.poisson_ratio, RATIO),
-            density=(ply.density, DENSITY),
             longitudinal_damping=(damping.longitudinal or None, RATIO),
             transverse_damping=(damping.transverse or None, RATIO),
             shear_damping=(damping.shear or None, RATIO),

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexmech import si
 from flexmech.materials.fatigue import FatigueStrength
 from flexmech.materials.hygrothermal import Hygrothermal
-from flexmech.model_text import TomlTable, quantity, short_repr, stated
-from flexmech.units import DENSITY, RATIO, STRESS
-from flexmech.validation import POSITIVE, Bounds, check_fields, check_instance
+from flexmech.model_text import TomlTable, quantity, short_repr
+from flexmech.units import RATIO
+from flexmech.validation import check_instance
 
 UNKNOWN = Hygrothermal()
 
@@ -20,15 +21,15 @@ class Material:
     Parameters
     ----------
     youngs_modulus : float
-        E in Pa.
+        Young's modulus E in Pa.
     density : float
-        rho in kg/m^3.
+        Density rho in kg/m^3.
     poisson_ratio : float
-        nu, between -1 and 0.5.
+        Poisson's ratio nu, between -1 and 0.5.
     hygrothermal : Hygrothermal
         What heat and water do to it.
     yield_strength : float, optional
-        Stress in Pa beyond which it stays deformed.
+        Stress in Pa beyond which it stays deformed; results say where a link passes it.
     fatigue : FatigueStrength, optional
         What it bears again and again.
 
@@ -44,17 +45,15 @@ class Material:
     80000000000.0
     """
 
-    youngs_modulus: float
-    density: float
-    poisson_ratio: float = 0.3
+    youngs_modulus: si.Stress
+    density: si.Density
+    poisson_ratio: si.PoissonRatio = 0.3
     hygrothermal: Hygrothermal = UNKNOWN
-    yield_strength: float | None = None
+    yield_strength: si.Stress | None = None
     fatigue: FatigueStrength | None = None
 
     def __post_init__(self) -> None:
-        check_fields(self, {"youngs_modulus": "Pa", "density": "kg/m^3"}, POSITIVE)
-        check_fields(self, {"yield_strength": "Pa"}, POSITIVE, optional=True)
-        check_fields(self, {"poisson_ratio": ""}, Bounds(above=-1.0, below=0.5))
+        si.check(self)
         if self.fatigue is not None:
             remedy = "give flexmech.FatigueStrength(tensile_strength, endurance_limit, cycles)"
             check_instance(self.fatigue, FatigueStrength, "fatigue", remedy)
@@ -76,10 +75,9 @@ class Material:
     def to_table(self) -> TomlTable:
         """Table under ``[materials]`` of a model file."""
         return {
-            "youngs_modulus": quantity(self.youngs_modulus, STRESS),
-            "density": quantity(self.density, DENSITY),
+            # Stated even where it is the usual one, which a file has to state.
             "poisson_ratio": quantity(self.poisson_ratio, RATIO),
-            **stated(yield_strength=(self.yield_strength, STRESS)),
+            **si.table(self),
             **self.hygrothermal.to_table(),
             **({} if self.fatigue is None else {"fatigue": self.fatigue.to_table()}),
         }

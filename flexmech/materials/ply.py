@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 
+from flexmech import si
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials.composition import PlyComposition
@@ -16,12 +17,7 @@ from flexmech.materials.material import Material
 from flexmech.materials.strength import PlyStrength
 from flexmech.model_text import short_repr
 from flexmech.validation import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    check_fields,
     check_instance,
-    check_number,
-    check_pair,
 )
 
 MODULI = (
@@ -49,13 +45,12 @@ class PlyDamping:
         If a value is negative or not a number.
     """
 
-    longitudinal: float = 0.0
-    transverse: float = 0.0
-    shear: float = 0.0
+    longitudinal: si.SpecificDamping = 0.0
+    transverse: si.SpecificDamping = 0.0
+    shear: si.SpecificDamping = 0.0
 
     def __post_init__(self) -> None:
-        directions = {"longitudinal": "", "transverse": "", "shear": ""}
-        check_fields(self, directions, NOT_NEGATIVE, "specific damping")
+        si.check(self, "{} specific damping")
 
     @property
     def any(self) -> bool:
@@ -74,16 +69,20 @@ class Ply:
 
     Parameters
     ----------
-    longitudinal_modulus, transverse_modulus : float
-        E1 and E2 in Pa.
+    longitudinal_modulus : float
+        E1 in Pa, along the fibres.
+    transverse_modulus : float
+        E2 in Pa, across them.
     in_plane_shear_modulus : float
         G12 in Pa.
-    longitudinal_shear_modulus, transverse_shear_modulus : float
-        G13 and G23 in Pa.
+    longitudinal_shear_modulus : float
+        G13 in Pa; G12 where a model file leaves it out.
+    transverse_shear_modulus : float
+        G23 in Pa; E2 / (2 (1 + nu12)) where a model file leaves it out.
     poisson_ratio : float
         nu12: contraction across over stretch along the fibres.
     density : float
-        In kg/m^3.
+        Density rho in kg/m^3.
     specific_damping : PlyDamping
     thermal_expansion : tuple of float
         Along and across the fibres in 1/K.
@@ -113,29 +112,24 @@ class Ply:
     <Ply: E1 70 GPa, E2 70 GPa, G12 26.3158 GPa, density 2700 kg/m^3>
     """
 
-    longitudinal_modulus: float
-    transverse_modulus: float
-    in_plane_shear_modulus: float
-    longitudinal_shear_modulus: float
-    transverse_shear_modulus: float
-    poisson_ratio: float
-    density: float
+    longitudinal_modulus: si.Stress
+    transverse_modulus: si.Stress
+    in_plane_shear_modulus: si.Stress
+    longitudinal_shear_modulus: si.Stress
+    transverse_shear_modulus: si.Stress
+    poisson_ratio: si.Ratio
+    density: si.Density
     specific_damping: PlyDamping = PlyDamping()
-    thermal_expansion: tuple[float, float] = (0.0, 0.0)
-    moisture_expansion: tuple[float, float] = (0.0, 0.0)
+    thermal_expansion: tuple[si.Expansion, si.Expansion] = (0.0, 0.0)
+    moisture_expansion: tuple[si.PlyMoistureExpansion, si.PlyMoistureExpansion] = (0.0, 0.0)
     name: str = ""
     origin: PlyComposition | ResinContent | None = None
-    yield_strength: float | None = None
+    yield_strength: si.Stress | None = None
     strength: PlyStrength | None = None
     fatigue: FatigueStrength | None = None
 
     def __post_init__(self) -> None:
-        units = dict.fromkeys(MODULI, "Pa") | {"density": "kg/m^3"}
-        check_fields(self, units, POSITIVE, "of a ply")
-        check_fields(self, {"yield_strength": "Pa"}, POSITIVE, "of a ply", optional=True)
-        check_number(self.poisson_ratio, "poisson_ratio of a ply")
-        check_pair(self.thermal_expansion, "thermal_expansion of a ply", "1/K")
-        check_pair(self.moisture_expansion, "moisture_expansion of a ply")
+        si.check(self, "{} of a ply")
         if self.strength is not None:
             remedy = "give flexmech.PlyStrength(Xt, Xc, Yt, Yc, S12) in Pa"
             check_instance(self.strength, PlyStrength, "strength of a ply", remedy)

@@ -8,24 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 
-from flexmech import units
+from flexmech import si
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, is_plain
 from flexmech.linkages.motion import cross, quarter_turn, turned
 from flexmech.materials.moisture import Faces
-from flexmech.model_text import TomlTable, fields_table, quantity, short_repr
-from flexmech.units import INERTIA, LENGTH, MASS, PRESSURE_VELOCITY, STRESS
+from flexmech.model_text import TomlTable, quantity, short_repr
+from flexmech.units import LENGTH, MASS
 from flexmech.validation import (
-    FINITE,
-    NOT_NEGATIVE,
-    POSITIVE,
-    check_fields,
-    check_number,
-    check_pair,
     checked_tuple,
 )
 
@@ -41,9 +34,9 @@ class PointMass:
     ----------
     link : str
     position : float
-        Distance from the link's start in m.
+        Distance from the link's first joint in m.
     mass : float
-        In kg.
+        Mass of the point in kg.
 
     Examples
     --------
@@ -56,12 +49,12 @@ class PointMass:
     """
 
     link: str
-    position: float
-    mass: float
+    position: si.LengthOrZero
+    mass: si.Mass
 
     def to_table(self) -> TomlTable:
         """Entry of ``point_masses`` of its link in a model file."""
-        return fields_table(self, {"position": LENGTH, "mass": MASS})
+        return si.table(self)
 
 
 @dataclass(frozen=True)
@@ -72,14 +65,14 @@ class AttachedBody:
     ----------
     link : str
     position : float
-        Distance from the link's start of the section that it is fixed to, in m.
+        Distance from the link's first joint of the section that it is fixed to, in m.
     mass : float
-        In kg.
+        Its mass in kg.
     inertia : float
-        About its own centre of mass, in kg m^2.
+        About its centre of mass in kg m^2.
     offset : tuple of float
-        From the axis of the link at ``position`` to its centre of mass, along and across the
-        link's frame, in m.
+        From the axis of the link at the position to its centre of mass in m, along and across the
+        link, to the left positive.
 
     Raises
     ------
@@ -93,25 +86,21 @@ class AttachedBody:
     """
 
     link: str
-    position: float
-    mass: float = 0.0
-    inertia: float = 0.0
-    offset: tuple[float, float] = (0.0, 0.0)
+    position: si.LengthOrZero
+    mass: si.Mass = 0.0
+    inertia: si.Inertia = 0.0
+    offset: tuple[si.Distance, si.Distance] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        what = f"body on the {self.link}"
-        for name, unit in (("position", "m"), ("mass", "kg"), ("inertia", "kg m^2")):
-            check_number(getattr(self, name), f"{what}: {name}", unit, NOT_NEGATIVE)
-        check_pair(self.offset, f"{what}: offset", "m")
+        si.check(self, f"body on the {self.link}: {{}}")
         along, across = self.offset
         object.__setattr__(self, "offset", (along, across))
 
     def to_table(self) -> TomlTable:
         """Entry of ``bodies`` of its link in a model file."""
         # A file states one of mass and inertia at least.
-        mass = {} if self.inertia else {"mass": quantity(self.mass, MASS)}
-        keys = fields_table(self, {"mass": MASS, "inertia": INERTIA, "offset": LENGTH})
-        return {"position": quantity(self.position, LENGTH), **mass, **keys}
+        mass = {} if self.mass or self.inertia else {"mass": quantity(self.mass, MASS)}
+        return si.table(self) | mass
 
 
 @dataclass(frozen=True)
@@ -206,13 +195,12 @@ class PinEye:
     """
 
     link: str
-    thickness: float | None = None
-    width: float | None = None
-    edge_distance: float | None = None
+    thickness: si.Width | None = None
+    width: si.Width | None = None
+    edge_distance: si.Width | None = None
 
     def __post_init__(self) -> None:
-        of = f"of the eye of the {self.link}"
-        check_fields(self, dict.fromkeys(EYE_SIZES, "m"), POSITIVE, of, optional=True)
+        si.check(self, f"{{}} of the eye of the {self.link}")
 
 
 @dataclass(frozen=True)
@@ -223,15 +211,16 @@ class JointPin:
     ----------
     joint : str
     diameter : float
-        In m.
+        Of the pin in m, of a pin or pivot, or in a slider's block; strength judges the pins that
+        have one.
     eyes : tuple of PinEye
         Of links that meet there; one without any sizes may be left out.
     bush_length : float, optional
         Of the bush in which the pin turns in m; the shortest hole around it if left out.
     allowable_bearing_pressure : float, optional
-        Of pin and holes in Pa.
+        Of pin and holes in Pa: force over diameter and length of the hole.
     allowable_pv : float, optional
-        Of the bush: greatest product of bearing pressure and sliding velocity in Pa m/s.
+        Of the bush: greatest bearing pressure times sliding velocity. In Pa m/s.
 
     Raises
     ------
@@ -246,17 +235,15 @@ class JointPin:
     """
 
     joint: str
-    diameter: float
+    diameter: si.Width
     eyes: tuple[PinEye, ...] = ()
-    bush_length: float | None = None
-    allowable_bearing_pressure: float | None = None
-    allowable_pv: float | None = None
+    bush_length: si.Width | None = None
+    allowable_bearing_pressure: si.Stress | None = None
+    allowable_pv: si.PressureVelocity | None = None
 
     def __post_init__(self) -> None:
         what = f"pin of joint {self.joint}"
-        check_number(self.diameter, f"{what}: diameter", "m", POSITIVE)
-        units = {"bush_length": "m", "allowable_bearing_pressure": "Pa", "allowable_pv": "Pa m/s"}
-        check_fields(self, units, POSITIVE, f"of the {what}", optional=True)
+        si.check(self, f"{{}} of the {what}")
         remedy = "give PinEye(link, thickness, width, edge_distance) in a tuple"
         eyes = checked_tuple(self.eyes, PinEye, f"{what}: eyes", remedy)
         links = [eye.link for eye in eyes]
@@ -280,12 +267,7 @@ class JointPin:
 
     def to_table(self) -> TomlTable:
         """Keys of the joint in a model file."""
-        dimensions = {
-            "bush_length": LENGTH,
-            "allowable_bearing_pressure": STRESS,
-            "allowable_pv": PRESSURE_VELOCITY,
-        }
-        table: TomlTable = {"diameter": quantity(self.diameter, LENGTH)}
+        table = si.table(self)
         for name in EYE_SIZES:
             stated = {
                 eye.link: quantity(size, LENGTH)
@@ -294,7 +276,7 @@ class JointPin:
             }
             if stated:
                 table[f"eye_{name}"] = stated
-        return table | fields_table(self, dimensions)
+        return table
 
 
 # Least eigenvalue of the stiffness, with rotations in units of the springs' extent, over the
@@ -312,9 +294,9 @@ class FrameSpring:
     Parameters
     ----------
     point : tuple of float
-        Of the frame, in ground axes in m.
+        Of the frame in m, in the axes of the ground as the frame is drawn.
     stiffness : tuple of float
-        Along x and y in N/m.
+        Along x and y in N/m; it is without force where the frame is drawn.
     damping : tuple of float
         Along x and y in N s/m.
 
@@ -329,33 +311,18 @@ class FrameSpring:
     (0.0, 0.0)
     """
 
-    point: tuple[float, float]
-    stiffness: tuple[float, float]
-    damping: tuple[float, float] = (0.0, 0.0)
-
-    keys: ClassVar = {
-        "point": units.LENGTH,
-        "stiffness": units.SPRING_STIFFNESS,
-        "damping": units.DAMPING,
-    }
+    point: tuple[si.Distance, si.Distance]
+    stiffness: tuple[si.SpringStiffness, si.SpringStiffness]
+    damping: tuple[si.Damping, si.Damping] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        for name, dimension in self.keys.items():
-            pair, what = getattr(self, name), f"spring of the frame: {name}"
-            check_pair(pair, what, dimension.unit)
-            for value in pair:
-                bounds = FINITE if name == "point" else NOT_NEGATIVE
-                check_number(value, what, dimension.unit, bounds)
-            object.__setattr__(self, name, tuple(float(value) for value in pair))
+        si.check(self, "spring of the frame: {}")
+        for name in si.quantities(FrameSpring):
+            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
 
     def to_table(self) -> TomlTable:
         """Entry of ``frame.springs`` of a model file."""
-        stated = {name: getattr(self, name) for name in self.keys}
-        return {
-            name: [quantity(value, self.keys[name]) for value in pair]
-            for name, pair in stated.items()
-            if name != "damping" or any(pair)
-        }
+        return si.table(self)
 
 
 @dataclass(frozen=True)
@@ -369,11 +336,11 @@ class SprungFrame:
     Parameters
     ----------
     mass : float
-        In kg, without the linkage.
+        Mass without the linkage in kg.
     inertia : float
-        About the centre of mass, in kg m^2.
+        About the centre of mass in kg m^2.
     centre : tuple of float
-        Centre of mass in ground axes in m.
+        Its centre of mass in m, in the axes of the ground.
     springs : tuple of FrameSpring
 
     Raises
@@ -389,15 +356,13 @@ class SprungFrame:
     array([26.6, 41.1, 49.2])
     """
 
-    mass: float
-    inertia: float
-    centre: tuple[float, float]
+    mass: si.BodyMass
+    inertia: si.BodyInertia
+    centre: tuple[si.Distance, si.Distance]
     springs: tuple[FrameSpring, ...]
 
     def __post_init__(self) -> None:
-        check_number(self.mass, "mass of the frame", "kg", POSITIVE)
-        check_number(self.inertia, "inertia of the frame", "kg m^2", POSITIVE)
-        check_pair(self.centre, "centre of the frame", "m")
+        si.check(self, "{} of the frame")
         object.__setattr__(self, "centre", tuple(float(value) for value in self.centre))
         remedy = "give FrameSpring((m, m), (N/m, N/m)) in a tuple"
         springs = checked_tuple(self.springs, FrameSpring, "springs of the frame", remedy)
@@ -498,9 +463,4 @@ class SprungFrame:
 
     def to_table(self) -> TomlTable:
         """Table ``[frame]`` of a model file."""
-        return {
-            "mass": quantity(self.mass, units.MASS),
-            "inertia": quantity(self.inertia, units.INERTIA),
-            "centre": [quantity(value, units.LENGTH) for value in self.centre],
-            "springs": [spring.to_table() for spring in self.springs],
-        }
+        return {**si.table(self), "springs": [spring.to_table() for spring in self.springs]}

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from flexmech import si
 from flexmech.errors import InputError
-from flexmech.mechanism.parts import EYE_SIZES
+from flexmech.linkages import JointSpring, Spring
+from flexmech.mechanism.parts import EYE_SIZES, JointPin
 from flexmech.modelfile import base_table as base
 
 
@@ -18,13 +20,13 @@ def _one_or_by_link(value: Any) -> str:
 
 # Told apart before they are read: what is wrong of a link's is then reported of it.
 OneOrByLink = Annotated[
-    Annotated[base.Width, Tag("one")] | Annotated[dict[base.Text, base.Width], Tag("by link")],
+    Annotated[si.Width, Tag("one")] | Annotated[dict[base.Text, si.Width], Tag("by link")],
     Discriminator(_one_or_by_link),
 ]
 _OR_BY_LINK = "the same for all links that meet there, or by link as in { crank = '12 mm' }"
 
 
-class JointTable(base.Table):
+class JointTable(base.RecordTable, of=(JointSpring, JointPin), required=()):
     """A joint: O2, A, B and O4 of a four-bar; O2 of a rotating arm; a point of a drawing."""
 
     kind: Literal["pin", "clamp", "weld", "slider"] | None = base.optional(
@@ -35,32 +37,19 @@ class JointTable(base.Table):
         default_factory=list,
         description="Of a weld or clamp where only some of the links that meet there are fixed",
     )
-    direction: base.AngleOfTurn | None = base.optional(
+    direction: si.AngleOfTurn | None = base.optional(
         "Of a slider: of its line, to the ground's x axis or to that of the guide"
     )
-    offset: base.Distance | None = base.optional(
+    offset: si.Distance | None = base.optional(
         "Of a slider that is not drawn: distance of its line from the shaft's axis, or from the "
         "first point of its guide, to the left of its direction; 0 if left out"
     )
     guide: base.Text | None = base.optional(
         "Of a slider: rigid link that carries its line; the ground if left out"
     )
-    mass: base.Mass = base.optional("Point mass at the joint; of a slider", 0.0, "0 kg")
-    inertia: base.Inertia = base.optional(
+    mass: si.Mass = base.optional("Point mass at the joint; of a slider", 0.0, "0 kg")
+    inertia: si.Inertia = base.optional(
         "Of a slider, about its centre of mass: it turns with its guide", 0.0, "0 kg m^2"
-    )
-    torsional_stiffness: base.TorsionalStiffness | None = base.optional("Of a spring in a pin")
-    torsional_damping: base.TorsionalDamping | None = base.optional("Of a damper in a pin")
-    free_angle: base.Angle | None = base.optional(
-        "Of the following link less that of the leading one, without torque; 0 if left out"
-    )
-    radial_stiffness: base.RadialStiffness | None = base.optional(
-        "Of the bearing; without it the pin does not give way"
-    )
-    radial_damping: base.Damping | None = base.optional("With radial_stiffness")
-    diameter: base.Width | None = base.optional(
-        "Of a pin or pivot, or of the pin in a slider's block; results of strength judge the pins "
-        "that have one"
     )
     eye_thickness: OneOrByLink | None = base.optional(
         "With diameter: length of the hole along the pin; that of the link's section if left out; "
@@ -73,21 +62,13 @@ class JointTable(base.Table):
     eye_edge_distance: OneOrByLink | None = base.optional(
         "With diameter: from the centre of the hole to the link's end; " + _OR_BY_LINK
     )
-    bush_length: base.Width | None = base.optional(
-        "With allowable_pv: of the bush in which the pin turns; the shortest hole if left out"
-    )
-    allowable_bearing_pressure: base.Stress | None = base.optional(
-        "With diameter: force over diameter and length of the hole"
-    )
-    allowable_pv: base.PressureVelocity | None = base.optional(
-        "With diameter: of the bush, greatest bearing pressure times sliding velocity"
-    )
 
     @model_validator(mode="after")
     def _states_something(self) -> JointTable:
-        if not self.model_fields_set:
+        given = self.model_fields_set
+        if not given:
             raise InputError("mass is missing; add it, or whatever the joint has, or leave it out")
-        if self.free_angle is not None and self.torsional_stiffness is None:
+        if "free_angle" in given and "torsional_stiffness" not in given:
             raise InputError("free_angle belongs to a torsional_stiffness; add it")
         if self.diameter is None and (alone := [key for key in PIN_KEYS if getattr(self, key)]):
             raise InputError(f"{alone[0]} belongs to the diameter of a pin; add it")
@@ -96,21 +77,9 @@ class JointTable(base.Table):
         return self
 
     @property
-    def spring(self) -> dict[str, float]:
-        """What is stated of springs and dampers in it."""
-        names = (
-            "torsional_stiffness",
-            "torsional_damping",
-            "free_angle",
-            "radial_stiffness",
-            "radial_damping",
-        )
-        return self._stated(names)
-
-    @property
-    def allowed(self) -> dict[str, float]:
-        """What is stated of its pin beside diameter and eyes."""
-        return self._stated(_ALLOWED)
+    def has_spring(self) -> bool:
+        """Whether a spring or a damper in it is stated."""
+        return not self.model_fields_set.isdisjoint(si.quantities(JointSpring))
 
     def eye_sizes(self, link: str) -> dict[str, float]:
         """What is stated of the eye of a link, or of all links alike."""
@@ -121,22 +90,17 @@ class JointTable(base.Table):
             found |= {} if own is None else {name: own}
         return found
 
-    def _stated(self, names: Iterable[str]) -> dict[str, float]:
-        values = {name: getattr(self, name) for name in names}
-        return {name: value for name, value in values.items() if value is not None}
-
 
 EYE_KEYS = {name: f"eye_{name}" for name in EYE_SIZES}
 """Keys of a joint by the fields of an eye."""
-_ALLOWED = ("bush_length", "allowable_bearing_pressure", "allowable_pv")
-PIN_KEYS = (*EYE_KEYS.values(), *_ALLOWED)
+PIN_KEYS = (*EYE_KEYS.values(), "bush_length", "allowable_bearing_pressure", "allowable_pv")
 """Keys of a joint that go with its diameter."""
 
 
 class ShaftTable(base.Table):
     """The shaft that drives the crank."""
 
-    inertia: base.Inertia = base.optional(
+    inertia: si.Inertia = base.optional(
         "About its axis; it matters where the shaft is free", 0.0, "0 kg m^2"
     )
 
@@ -145,7 +109,7 @@ class PlaceTable(base.Table):
     """A place on a link."""
 
     link: base.Text = Field(description="Name of the link, or of a beam of it")
-    position: base.LengthOrZero = Field(description="Distance from its first joint")
+    position: si.LengthOrZero = Field(description="Distance from its first joint")
 
 
 class LoadTable(base.Table):
@@ -153,11 +117,11 @@ class LoadTable(base.Table):
 
     point: base.Text | None = base.optional("A point of the linkage or a joint")
     link: base.Text | None = base.optional("With position; or with point, where several links meet")
-    position: base.LengthOrZero | None = base.optional(
+    position: si.LengthOrZero | None = base.optional(
         "Distance from the link's first joint; with link, for point"
     )
-    force: tuple[base.AnyForce, base.AnyForce] | None = base.optional("Along x and y of the axes")
-    torque: base.Torque | None = base.optional("Positive to the left")
+    force: tuple[si.AnyForce, si.AnyForce] | None = base.optional("Along x and y of the axes")
+    torque: si.Torque | None = base.optional("Positive to the left")
     axes: Literal["ground", "link"] = base.optional(
         "Whether the force turns with the link", "ground"
     )
@@ -200,7 +164,7 @@ def _kind_of_place(value: Any) -> str | None:
 
 SpringEnd = Annotated[
     Annotated[base.Text, Tag("name")]
-    | Annotated[tuple[base.Distance, base.Distance], Tag("ground")]
+    | Annotated[tuple[si.Distance, si.Distance], Tag("ground")]
     | Annotated[PlaceTable, Tag("place")],
     Discriminator(
         _kind_of_place,
@@ -213,13 +177,10 @@ SpringEnd = Annotated[
 ]
 
 
-class SpringTable(base.Table):
+class SpringTable(base.RecordTable, of=Spring):
     """A straight spring between two points, with a damper beside it."""
 
     points: tuple[SpringEnd, SpringEnd] = Field(
         description="Its ends: names of points or joints, coordinates of the ground, or "
         "{ link, position }"
     )
-    stiffness: base.SpringStiffness = Field(description="Force per elongation")
-    free_length: base.LengthOrZero = Field(description="Without force")
-    damping: base.Damping = base.optional("Of the damper; 0 if left out", 0.0, "0 N s/m")

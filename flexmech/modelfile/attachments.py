@@ -53,7 +53,7 @@ def point_masses(
         ):
             with findings.at(f"links.{link}.point_masses[{number}].position"):
                 place = places.place(link, point.position, point.beam)
-                masses.append(PointMass(place.link, place.x, point.mass))
+                masses.append(point.made(PointMass, link=place.link, position=place.x))
     return tuple(masses)
 
 
@@ -84,9 +84,7 @@ def attached_bodies(
         for number, body in enumerate(table.bodies if table is not None else []):
             with findings.at(f"links.{link}.bodies[{number}].position"):
                 place = places.place(link, body.position, body.beam)
-                bodies.append(
-                    AttachedBody(place.link, place.x, body.mass, body.inertia, body.offset)
-                )
+                bodies.append(body.made(AttachedBody, link=place.link, position=place.x))
     for joint in tables.joints.values():
         if joint.inertia and joint.guide in places.beams:
             guide = places.beams[joint.guide][0]
@@ -114,8 +112,8 @@ def joint_springs(
     for name, joint in tables.joints.items():
         with findings.at(f"joints.{name}"):
             # A joint that is not there is told of all its keys.
-            if joint.spring and name in topology.joint_names:
-                own = [JointSpring(name, **joint.spring)]
+            if joint.has_spring and name in topology.joint_names:
+                own = [joint.made(JointSpring, joint=name)]
                 found += checked_parts(topology, "joint_springs", own)
     return tuple(found)
 
@@ -138,9 +136,7 @@ def springs(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tuple[
     for name, table in tables.springs.items():
         with findings.at(f"springs.{name}"):
             first, second = (_spring_end(end, tables, places) for end in table.points)
-            found.append(
-                Spring(name, first, second, table.stiffness, table.free_length, table.damping)
-            )
+            found.append(table.made(Spring, name=name, first=first, second=second))
     return tuple(found)
 
 

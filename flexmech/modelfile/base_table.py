@@ -1,189 +1,37 @@
-"""What tables of a model file have in common: quantities with units, damping, known keys."""
+"""What tables of a model file have in common: known keys, fields of their records, damping."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple, Self
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import MISSING, fields
+from inspect import cleandoc, get_annotations
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    Self,
+    TypeVar,
+    get_origin,
+    get_type_hints,
+)
 
 from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
     StringConstraints,
     ValidationError,
     model_validator,
 )
-from pydantic_core import (
-    CoreSchema,
-    ErrorDetails,
-    InitErrorDetails,
-    PydanticCustomError,
-    core_schema,
-)
+from pydantic_core import CoreSchema, ErrorDetails, InitErrorDetails, PydanticCustomError
 
-from flexmech import units
+from flexmech import si
 from flexmech.errors import InputError, suggestion
-from flexmech.plausible import (
-    LIFE,
-    LINK_LENGTH,
-    LOAD,
-    THICKNESS,
-    TURN,
-    WIDTH,
-    Plausible,
-    check_plausible,
-    of_dimension,
-)
-from flexmech.units import Dimension, parse_quantity, split_quantity
-from flexmech.validation import FINITE, NOT_NEGATIVE, POSITIVE, Bounds
-
-
-@dataclass(frozen=True)
-class QuantityField:
-    """Marks a float field as a quantity with a unit in the file.
-
-    Parameters
-    ----------
-    dimension : Dimension
-    bounds : Bounds
-        In SI units.
-    plausible : Plausible, optional
-        What sizes it can have; those of its dimension if left out.
-    infinite : str
-        Word for a quantity without bound; empty where there is none.
-    """
-
-    dimension: Dimension
-    bounds: Bounds = FINITE
-    plausible: Plausible | None = None
-    infinite: str = ""
-
-    def parse(self, value: object) -> float:
-        """SI float of a value from a file.
-
-        Parameters
-        ----------
-        value : object
-            As TOML gives it: a string with a number and a unit.
-
-        Returns
-        -------
-        float
-
-        Raises
-        ------
-        InputError
-            If it is no quantity of this dimension, out of bounds or of a size that none has.
-        """
-        if self.infinite and value == self.infinite:
-            return math.inf
-        try:
-            number = parse_quantity(value, self.dimension)
-        except InputError as error:
-            other = f', or "{self.infinite}"' if self.infinite else ""
-            raise InputError(f"{error}{other}") from None
-        if not self.bounds.hold(number):
-            raise InputError(f"must {self.bounds.words}, got {value!r}")
-        plausible = self.plausible or of_dimension(self.dimension)
-        if plausible is not None:
-            check_plausible(number, value, plausible)
-        return number
-
-    def __get_pydantic_core_schema__(
-        self, source: type[Any], handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.parse)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        text: dict[str, Any] = {
-            "type": "string",
-            "pattern": rf"^\s*{units.NUMBER}\s*(1\s*/\s*)?[A-Za-z\u00b5\u03bc%\u00b0]",
-            "examples": list(self.dimension.examples),
-        }
-        if self.dimension in (units.RATIO, units.MOISTURE_EXPANSION):
-            text["pattern"] = rf"^\s*{units.NUMBER}\s*(1/)?(%|percent)?\s*$"
-            return {"anyOf": [{"type": "number"}, text]}
-        return {"anyOf": [{"const": self.infinite}, text]} if self.infinite else text
-
-
-class Written(NamedTuple):
-    """A quantity in SI units, and the unit in which it was written."""
-
-    value: float
-    unit: str
-
-
-class WrittenField(QuantityField):
-    """Marks a field of quantities whose unit is kept.
-
-    Parameters
-    ----------
-    dimension : Dimension
-    bounds : Bounds
-    plausible : Plausible, optional
-    infinite : str
-        As of :class:`QuantityField`.
-    """
-
-    def __get_pydantic_core_schema__(
-        self, source: type[Any], handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._written)
-
-    def _written(self, value: object) -> Written:
-        return Written(self.parse(value), split_quantity(str(value), self.dimension)[1])
-
-
-Length = Annotated[float, QuantityField(units.LENGTH, POSITIVE, LINK_LENGTH)]
-Thickness = Annotated[float, QuantityField(units.LENGTH, POSITIVE, THICKNESS)]
-Width = Annotated[float, QuantityField(units.LENGTH, POSITIVE, WIDTH)]
-LengthOrZero = Annotated[float, QuantityField(units.LENGTH, NOT_NEGATIVE)]
-Distance = Annotated[float, QuantityField(units.LENGTH)]
-Curvature = Annotated[float, QuantityField(units.CURVATURE)]
-Mass = Annotated[float, QuantityField(units.MASS, NOT_NEGATIVE)]
-TimeOrZero = Annotated[float, QuantityField(units.TIME, NOT_NEGATIVE)]
-Frequency = Annotated[float, QuantityField(units.FREQUENCY, POSITIVE)]
-WrittenSpeed = Annotated[Written, WrittenField(units.ANGULAR_SPEED)]
-Acceleration = Annotated[float, QuantityField(units.ACCELERATION)]
-Stress = Annotated[float, QuantityField(units.STRESS, POSITIVE)]
-PressureVelocity = Annotated[float, QuantityField(units.PRESSURE_VELOCITY, POSITIVE)]
-Density = Annotated[float, QuantityField(units.DENSITY, POSITIVE)]
-Force = Annotated[float, QuantityField(units.FORCE, POSITIVE)]
-ShearStiffness = Annotated[float, QuantityField(units.FORCE, POSITIVE, infinite="rigid")]
-AnyForce = Annotated[float, QuantityField(units.FORCE, FINITE, LOAD)]
-Torque = Annotated[float, QuantityField(units.TORQUE)]
-Inertia = Annotated[float, QuantityField(units.INERTIA, NOT_NEGATIVE)]
-SpringStiffness = Annotated[float, QuantityField(units.SPRING_STIFFNESS, NOT_NEGATIVE)]
-RadialStiffness = Annotated[float, QuantityField(units.SPRING_STIFFNESS, POSITIVE)]
-Damping = Annotated[float, QuantityField(units.DAMPING, NOT_NEGATIVE)]
-TorsionalStiffness = Annotated[float, QuantityField(units.TORSIONAL_STIFFNESS, NOT_NEGATIVE)]
-TorsionalDamping = Annotated[float, QuantityField(units.TORSIONAL_DAMPING, NOT_NEGATIVE)]
-BendingStiffness = Annotated[float, QuantityField(units.BENDING_STIFFNESS, POSITIVE)]
-MassPerLength = Annotated[float, QuantityField(units.MASS_PER_LENGTH, POSITIVE)]
-RotaryInertia = Annotated[float, QuantityField(units.ROTARY_INERTIA, POSITIVE)]
-PoissonRatio = Annotated[float, QuantityField(units.RATIO, Bounds(above=-1.0, below=0.5))]
-Ratio = Annotated[float, QuantityField(units.RATIO)]
-SpecificDamping = Annotated[float, QuantityField(units.RATIO, NOT_NEGATIVE)]
-Angle = Annotated[float, QuantityField(units.ANGLE)]
-AngleOfTurn = Annotated[float, QuantityField(units.ANGLE, FINITE, TURN)]
-DampingRatio = Annotated[float, QuantityField(units.RATIO, Bounds(least=0.0, below=1.0))]
-Cycles = Annotated[float, QuantityField(units.RATIO, POSITIVE, LIFE)]
-BasquinExponent = Annotated[float, QuantityField(units.RATIO, Bounds(above=-1.0, below=0.0))]
-PositiveRatio = Annotated[float, QuantityField(units.RATIO, POSITIVE)]
-MoistureContent = Annotated[float, QuantityField(units.RATIO, Bounds(above=0.0, below=1.0))]
-Temperature = Annotated[float, QuantityField(units.TEMPERATURE, POSITIVE)]
-Expansion = Annotated[float, QuantityField(units.EXPANSION)]
-MoistureExpansion = Annotated[float, QuantityField(units.MOISTURE_EXPANSION, NOT_NEGATIVE)]
-PlyMoistureExpansion = Annotated[float, QuantityField(units.MOISTURE_EXPANSION)]
-DiffusivityValue = Annotated[float, QuantityField(units.DIFFUSIVITY, POSITIVE)]
-ActivationEnergy = Annotated[float, QuantityField(units.ACTIVATION_ENERGY, NOT_NEGATIVE)]
 
 
 def optional(description: str, default: Any = None, shown: Any = None) -> Any:
@@ -251,16 +99,141 @@ def _again(finding: ErrorDetails) -> InitErrorDetails:
     return InitErrorDetails(type=kind, loc=finding["loc"], input=finding["input"], ctx=context)
 
 
+Record = TypeVar("Record")
+
+
+class RecordTable(Table):
+    """A table with the quantities, words and flags of a record, under the same names.
+
+    ``class SpringTable(RecordTable, of=Spring)`` has them with the units, bounds and defaults that
+    stand at the annotations of ``Spring``, and describes them in the schema by its docstring. What
+    the body of the class states comes beside them, or in their place.
+    """
+
+    records: ClassVar[tuple[type[Any], ...]]
+
+    def __init_subclass__(
+        cls,
+        of: type[Any] | tuple[type[Any], ...] = (),
+        without: Collection[str] = (),
+        required: Collection[str] | None = None,
+        **kwargs: Any,
+    ) -> None:
+        """Give the table its fields, before pydantic collects them.
+
+        Parameters
+        ----------
+        of : type or tuple of types
+            Records, which are dataclasses.
+        without : collection of str
+            Fields that the table does not have.
+        required : collection of str, optional
+            Fields that a file must state; those without a default in the record if left out.
+        **kwargs : object
+            Of pydantic.
+        """
+        super().__init_subclass__(**kwargs)
+        records = of if isinstance(of, tuple) else (of,)
+        if records:
+            cls.records = records
+        taken = {name for kind in cls.__mro__ for name in get_annotations(kind)}
+        for record in records:
+            hints = get_type_hints(record, include_extras=True)
+            for field in fields(record):
+                name, hint = field.name, hints[field.name]
+                word = hint is bool or get_origin(hint) is Literal
+                if name in taken | set(without) or not (word or name in si.quantities(record)):
+                    continue
+                known = field.default is not MISSING
+                if (not known) if required is None else name in required:
+                    cls.__annotations__[name] = hint
+                    continue
+                cls.__annotations__[name] = hint if known else hint | None
+                setattr(cls, name, field.default if known else None)
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    def made(self, record: type[Record], **further: Any) -> Record:
+        """The record that is stated; what the file leaves out is as in a record without it.
+
+        Parameters
+        ----------
+        record : type
+            One of those that the table is of; further keywords are fields of it that the table
+            does not have, or has otherwise.
+        """
+        names = {field.name for field in fields(record)} & self.model_fields_set - set(further)  # type: ignore[arg-type]
+        return record(**{name: _made(getattr(self, name)) for name in names}, **further)
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        schema = handler(core_schema)
+        properties = handler.resolve_ref_schema(schema)["properties"]
+        words: dict[str, str] = {}
+        stated: dict[str, si.StatedField] = {}
+        for record in (
+            one for kind in reversed(cls.__mro__) for one in kind.__dict__.get("records", ())
+        ):
+            words |= _parameters(record)
+            stated |= si.quantities(record)
+        for name, own in properties.items():
+            field = stated.get(name)
+            if "description" not in own and name in words:
+                own["description"] = _without_unit(words[name], field)
+            if field is not None and "default" in own and field.default not in (None, MISSING):
+                own["default"] = field.stated_default
+        return schema
+
+
+def _made(value: Any) -> Any:
+    """What a value of a table states."""
+    if isinstance(value, RecordTable):
+        return value.made(value.records[0])
+    return tuple(map(_made, value)) if isinstance(value, list | tuple) else value
+
+
+# Of a docstring: its section of parameters; in that, their names and what they are.
+_PARAMETERS = re.compile(r"^Parameters\n-+\n(.*?)(?=^\w+\n-+$|\Z)", re.M | re.S)
+_PARAMETER = re.compile(r"^(\S[^:\n]*?) : .*\n((?: +.*\n?|\n)*)", re.M)
+
+
+def _parameters(record: type) -> dict[str, str]:
+    """Descriptions of a record's parameters by their names, from its docstring and its bases'."""
+    words: dict[str, str] = {}
+    for kind in reversed(record.__mro__):
+        section = re.search(
+            r"^Parameters\n-+\n(.*?)(?=^\w+\n-+$|\Z)", cleandoc(kind.__doc__ or ""), re.M | re.S
+        )
+        entries = re.findall(
+            r"^(\S[^:\n]*?) : .*\n((?:[ ]+.*\n?|\n)*)", section[1] if section else "", re.M
+        )
+        for names, text in entries:
+            if not text.lstrip().startswith("As of"):
+                words |= dict.fromkeys(names.split(", "), " ".join(text.split()).rstrip("."))
+    return words
+
+
+def _without_unit(text: str, field: si.StatedField | None) -> str:
+    """First sentence on a field in SI units, as of one that has its unit beside it."""
+    text = re.split(r"\.\s+(?=[A-Z])", text)[0].replace("``", "")
+    unit = "" if field is None else field.mark.dimension.unit
+    return re.sub(rf",? in {re.escape(unit)}(?![\w/^])", "", text) if unit else text
+
+
 class DampedTable(Table):
     """Kelvin-Voigt damping, as a time or as a damping ratio at a frequency."""
 
-    damping_time: TimeOrZero | None = optional(
+    damping_time: si.TimeOrZero | None = optional(
         "Kelvin-Voigt time tau: stress = E (strain + tau d(strain)/dt)"
     )
-    damping_ratio: DampingRatio | None = optional(
+    damping_ratio: si.DampingRatio | None = optional(
         "Fraction of critical damping at damping_frequency"
     )
-    damping_frequency: Frequency | None = optional("Frequency at which damping_ratio holds")
+    damping_frequency: si.Frequency | None = optional("Frequency at which damping_ratio holds")
 
     @model_validator(mode="after")
     def _one_kind_of_damping(self) -> DampedTable:

@@ -7,9 +7,17 @@ from dataclasses import replace
 from pathlib import Path
 
 from flexmech.errors import InputError, suggestion
-from flexmech.linkages import Linkage, PlanarJoint, PlanarLink, PlanarLinkage
+from flexmech.linkages import (
+    CouplerPoint,
+    FourBar,
+    Linkage,
+    PlanarJoint,
+    PlanarLink,
+    PlanarLinkage,
+    RotatingArm,
+)
 from flexmech.materials import Laminate
-from flexmech.mechanism import Mechanism, Provenance, Wetting
+from flexmech.mechanism import Mechanism, Provenance, SprungFrame, Wetting
 from flexmech.modelfile.attachment_tables import JointTable
 from flexmech.modelfile.attachments import (
     attached_bodies,
@@ -28,7 +36,7 @@ from flexmech.modelfile.link_tables import (
     RectangleLinkTable,
     RigidLinkTable,
 )
-from flexmech.modelfile.linkage_tables import PlanarTable
+from flexmech.modelfile.linkage_tables import FourBarTable, PlanarTable
 from flexmech.modelfile.messages import Findings, known_name
 from flexmech.modelfile.placing import placed_points
 from flexmech.sections import (
@@ -37,9 +45,7 @@ from flexmech.sections import (
     LaminateSection,
     Layers,
     SheetSection,
-    SpecificDamping,
 )
-from flexmech.sections.beam_section import DIMENSIONS, MAY_BE_ZERO
 
 
 def build_mechanism(
@@ -69,10 +75,10 @@ def build_mechanism(
     """
     findings = Findings(shown)
     laminates = build_laminates(tables, findings)
-    point = None
     linkage = _stated_linkage(tables, findings)
+    stated_point, point = getattr(tables.linkage, "coupler_point", None), None
     with findings.at("linkage.coupler_point"):
-        point = tables.linkage.point
+        point = None if stated_point is None else stated_point.made(CouplerPoint)
     if linkage is None:
         findings.refuse()
     assert linkage is not None
@@ -104,7 +110,7 @@ def build_mechanism(
     with findings.at("drive"):
         drive = None if tables.drive is None else tables.drive.drive(folder)
     with findings.at("frame"):
-        frame = None if tables.frame is None else tables.frame.frame
+        frame = None if tables.frame is None else tables.frame.made(SprungFrame)
     findings.refuse()
     return Mechanism(
         linkage=linkage,
@@ -144,7 +150,9 @@ def _stated_linkage(tables: ModelFile, findings: Findings) -> Linkage | None:
         return _drawn(tables, tables.linkage, findings)
     _refuse_drawing_keys(tables, findings)
     with findings.at("linkage"):
-        return tables.linkage.linkage
+        if isinstance(tables.linkage, FourBarTable):
+            return tables.linkage.made(FourBar)
+        return tables.linkage.made(RotatingArm)
     return None
 
 
@@ -242,7 +250,7 @@ def _joints_of_topology(tables: ModelFile, linkage: Linkage) -> list[str]:
     return [
         name
         for name, joint in tables.joints.items()
-        if name not in drawn or {"mass", "diameter"} & joint.model_fields_set or joint.spring
+        if name not in drawn or {"mass", "diameter"} & joint.model_fields_set or joint.has_spring
     ]
 
 
@@ -299,17 +307,13 @@ def _layers(
 
 def _general(table: GeneralLinkTable, laminates: Mapping[str, Laminate]) -> BeamSection:
     layers = None if table.laminate is None else _layers(table, laminates)
-    loss, times = table.specific_damping, table.damping_times
-    stated = {name: getattr(table, name) for name in (*DIMENSIONS, *MAY_BE_ZERO)}
-    section = BeamSection(
-        **stated,
-        specific_damping=None if loss is None else SpecificDamping(**loss.model_dump()),
-        layers=layers,
+    section = table.made(
+        BeamSection, layers=layers, shear_stiffness=table.shear_stiffness, damping_frequency=None
     )
-    if times is None:
+    if table.damping_times is None:
         return _with_damping(section, table)
-    own = DampingTimes(**times.model_dump())
-    return replace(section, damping=own, damping_frequency=table.damping_frequency)
+    times = table.damping_times.made(DampingTimes)
+    return replace(section, damping=times, damping_frequency=table.damping_frequency)
 
 
 def _with_damping(section: BeamSection, table: DampedTable) -> BeamSection:

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import Field, StringConstraints
 
+from flexmech import si
 from flexmech.materials import REFERENCE_TEMPERATURE, Material
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile.attachment_tables import JointTable, LoadTable, ShaftTable, SpringTable
@@ -26,15 +27,14 @@ from flexmech.units import ANGULAR_SPEED
 Name = Annotated[str, StringConstraints(pattern=r"\S")]
 
 
-class MaterialTable(base.DampedTable, HygrothermalTable):
+class MaterialTable(
+    base.DampedTable,
+    HygrothermalTable,
+    of=Material,
+    required={"youngs_modulus", "density", "poisson_ratio"},
+):
     """An isotropic material."""
 
-    youngs_modulus: base.Stress = Field(description="Young's modulus E")
-    density: base.Density = Field(description="Density rho")
-    poisson_ratio: base.PoissonRatio = Field(description="Poisson's ratio nu (for shear)")
-    yield_strength: base.Stress | None = base.optional(
-        "Stress beyond which it stays deformed; results say where a link passes it"
-    )
     fatigue: FatigueTable | None = base.optional(
         "What it bears again and again; results of strength then count cycles of stress"
     )
@@ -42,25 +42,19 @@ class MaterialTable(base.DampedTable, HygrothermalTable):
     @property
     def material(self) -> Material:
         """The material that is stated."""
-        return Material(
-            self.youngs_modulus,
-            self.density,
-            self.poisson_ratio,
-            self.hygrothermal,
-            self.yield_strength,
-            None if self.fatigue is None else self.fatigue.strength,
-        )
+        fatigue = None if self.fatigue is None else self.fatigue.strength
+        return self.made(Material, hygrothermal=self.hygrothermal, fatigue=fatigue)
 
 
 class EnvironmentTable(base.Table):
     """What surrounds the linkage."""
 
-    gravity: tuple[base.Acceleration, base.Acceleration] = base.optional(
+    gravity: tuple[si.Acceleration, si.Acceleration] = base.optional(
         "Gravitational acceleration along x and y; none if left out",
         (0.0, 0.0),
         ["0 m/s^2", "0 m/s^2"],
     )
-    reference_temperature: base.Temperature = base.optional(
+    reference_temperature: si.Temperature = base.optional(
         "At which lengths, sections and moduli are as stated; 20 degC if left out",
         REFERENCE_TEMPERATURE,
         "20 degC",
@@ -70,7 +64,7 @@ class EnvironmentTable(base.Table):
 class OperationTable(base.Table):
     """How the mechanism is meant to run."""
 
-    crank_speeds: list[base.WrittenSpeed] = Field(
+    crank_speeds: list[si.WrittenSpeed] = Field(
         default_factory=list, description="Crank speeds that the mechanism is meant for"
     )
 

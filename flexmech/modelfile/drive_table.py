@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from flexmech import units
+from flexmech import si, units
 from flexmech.errors import InputError
 from flexmech.linkages import (
     ConstantSpeed,
@@ -30,22 +30,13 @@ from flexmech.linkages import (
 from flexmech.linkages.drives.laws import TableEnds
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile.csv_files import check_rows, csv_lines
-from flexmech.plausible import RUN_UP, check_plausible, of_dimension
-from flexmech.units import ANGLE, ANGULAR_SPEED, RATIO, TIME, Dimension, parse_quantity
-from flexmech.validation import POSITIVE
-
-Resistance = Annotated[float, base.QuantityField(units.RESISTANCE, POSITIVE)]
-Inductance = Annotated[float, base.QuantityField(units.INDUCTANCE, POSITIVE)]
-Current = Annotated[float, base.QuantityField(units.CURRENT)]
-TorqueConstant = Annotated[float, base.QuantityField(units.TORQUE_CONSTANT, POSITIVE)]
-Voltage = Annotated[float, base.QuantityField(units.VOLTAGE)]
-Coupling = Annotated[float, base.QuantityField(units.TORSIONAL_STIFFNESS, POSITIVE)]
-Ratio = Annotated[float, base.QuantityField(units.RATIO, POSITIVE)]
+from flexmech.plausible import check_plausible, of_dimension
+from flexmech.units import ANGLE, RATIO, TIME, Dimension, parse_quantity
 
 _DC = ("resistance", "inductance", "torque_constant", "voltage", "initial_current")
 
 
-class MotorTable(base.Table):
+class MotorTable(base.RecordTable, of=DcMotor, required=()):
     """A motor: its torque over its speed, or a DC motor."""
 
     kind: Literal["torque", "dc"] = base.optional(
@@ -55,30 +46,10 @@ class MotorTable(base.Table):
         "Rows of motor speed and torque, straight between them; the first torque before them, the "
         "last line beyond; a single row is a constant torque"
     )
-    resistance: Resistance | None = base.optional("Of a DC motor's armature")
-    inductance: Inductance | None = base.optional(
-        "Of a DC motor's armature; without it the current follows at once"
-    )
-    torque_constant: TorqueConstant | None = base.optional(
-        "Of a DC motor; that of its back-EMF too"
-    )
-    voltage: Voltage | None = base.optional(
-        "Of a DC motor; with speed_control the greatest one either way"
-    )
-    initial_current: Current | None = base.optional(
-        "Of a DC motor with inductance at time zero, 0 A of one that is switched on then; if left "
-        "out the one that holds the crank against its loads, as after a brake"
-    )
-    gear_ratio: Ratio = base.optional("Motor speed over crank speed", 1.0)
-    inertia: base.Inertia = base.optional("Of the rotor about its axis", 0.0, "0 kg m^2")
-    coupling_stiffness: Coupling | None = base.optional(
-        "Of a coupling between gear and crank; rigid if left out"
-    )
-    coupling_damping: base.TorsionalDamping | None = base.optional("Of the coupling")
 
     @model_validator(mode="after")
     def _of_its_kind(self) -> MotorTable:
-        given = {key for key in _DC if getattr(self, key) is not None}
+        given = self.model_fields_set & set(_DC)
         if self.kind == "dc":
             if self.torque_speed is not None:
                 raise InputError("torque_speed does not go with kind dc; leave one of them out")
@@ -106,27 +77,12 @@ class MotorTable(base.Table):
         InputError
             If it is none.
         """
-        gear: dict[str, Any] = {
-            "gear_ratio": self.gear_ratio,
-            "inertia": self.inertia,
-            "coupling_stiffness": self.coupling_stiffness,
-            "coupling_damping": self.coupling_damping or 0.0,
-        }
         if self.kind == "dc":
-            assert self.resistance is not None
-            assert self.torque_constant is not None
-            assert self.voltage is not None
-            return DcMotor(
-                self.resistance,
-                self.torque_constant,
-                self.voltage,
-                self.inductance or 0.0,
-                self.initial_current,
-                **gear,
-            )
+            return self.made(DcMotor)
         assert self.torque_speed is not None
         rows = [_row(number, row) for number, row in enumerate(self.torque_speed)]
-        return TorqueMotor(tuple(row[0] for row in rows), tuple(row[1] for row in rows), **gear)
+        speeds, torques = zip(*rows, strict=True) if rows else ((), ())
+        return self.made(TorqueMotor, speeds=speeds, torques=torques)
 
 
 class SpeedControlTable(base.Table):
@@ -136,7 +92,7 @@ class SpeedControlTable(base.Table):
         description="In V s/rad or V/rpm of a DC motor, or N m s/rad of the motor's torque"
     )
     ki: str | None = base.optional("In V/rad of a DC motor, or N m/rad; none if left out")
-    target: base.WrittenSpeed = Field(description="Crank speed; negative turns backwards")
+    target: si.WrittenSpeed = Field(description="Crank speed; negative turns backwards")
 
     def control(self, motor: Motor) -> SpeedControl:
         """The control that is stated.
@@ -178,11 +134,6 @@ def _row(number: int, row: list[str | float]) -> tuple[float, float]:
     )
 
 
-Time = Annotated[float, base.QuantityField(TIME, POSITIVE, RUN_UP)]
-MasterSpeed = Annotated[float, base.QuantityField(ANGULAR_SPEED, POSITIVE)]
-MasterAngle = Annotated[float, base.QuantityField(ANGLE, POSITIVE)]
-Speed = Annotated[float, base.QuantityField(ANGULAR_SPEED)]
-
 # Keys that go with one of the ways of saying it, and with all of them.
 _KEYS = {
     "speed": {"run_up_time"},
@@ -215,23 +166,23 @@ RowsOrFile = Annotated[
 class DriveTable(base.Table):
     """How the crank turns: a constant speed, a law of motion, a table, or a motor."""
 
-    speed: Speed | None = base.optional("Constant speed; negative turns backwards")
-    run_up_time: Time | None = base.optional("With speed: of a smooth run-up to it from rest")
+    speed: si.Speed | None = base.optional("Constant speed; negative turns backwards")
+    run_up_time: si.RunTime | None = base.optional("With speed: of a smooth run-up to it from rest")
     law: LawName | None = base.optional("A law of motion from rest to rest")
-    travel: base.Angle | None = base.optional("With law: of a move; negative moves backwards")
-    time: Time | None = base.optional(
+    travel: si.Angle | None = base.optional("With law: of a move; negative moves backwards")
+    time: si.RunTime | None = base.optional(
         "With law: of a move. With motor: of the run; as many turns as asked for if left out"
     )
-    dwell: base.TimeOrZero | None = base.optional(
+    dwell: si.TimeOrZero | None = base.optional(
         "With law, or a table that stops: rest after each move; 0 if left out"
     )
-    master_angle: MasterAngle | None = base.optional(
+    master_angle: si.AngleOneWay | None = base.optional(
         "With law and master_speed, in place of time: angle of the master shaft during a move"
     )
-    master_dwell: base.Angle | None = base.optional(
+    master_dwell: si.Angle | None = base.optional(
         "With master_angle, in place of dwell: angle of the master shaft during the rest"
     )
-    master_speed: MasterSpeed | None = base.optional(
+    master_speed: si.SpeedOneWay | None = base.optional(
         "Of a master shaft, whose angles stand in place of times in law and table"
     )
     forth_and_back: base.Flag = base.optional(
@@ -241,7 +192,7 @@ class DriveTable(base.Table):
         "Rows of time, or master angle with master_speed, and crank angle; or a CSV file of them "
         "beside the model file, with units in its first line, as in time_s,crank_angle_deg"
     )
-    smoothing: base.Angle | None = base.optional(
+    smoothing: si.Angle | None = base.optional(
         "With table: root mean square by which its spline may leave the rows; 0 if left out"
     )
     ends: TableEnds = base.optional(
@@ -262,7 +213,7 @@ class DriveTable(base.Table):
         "With law or table: times and weights of the impulses of an input shaper, as in "
         "[['0 s', 0.5], ['11 ms', 0.5]]; flexmech response --shaper tells them"
     )
-    start_angle: base.Angle | None = base.optional(
+    start_angle: si.Angle | None = base.optional(
         "Crank angle at time zero; 0 if left out, or the first one of the table"
     )
 

@@ -29,7 +29,6 @@ from flexmech.modelfile.material_tables import (
     ConstituentTable,
     IsotropicPlyTable,
     LaminateTable,
-    MatrixTable,
     OrthotropicPlyTable,
     PlyTable,
 )
@@ -77,35 +76,17 @@ def _constituents(
     for name, fibre in tables.fibres.items():
         fibres.pop(name, None)
         with findings.at(f"fibres.{name}"):
-            fibres[name] = Fibre(
-                **_common(name, fibre),
-                transverse_modulus=fibre.transverse_modulus,
-                transverse_shear_modulus=fibre.transverse_shear_modulus,
-                thermal_expansion=fibre.thermal_expansion,
-                moisture_expansion=fibre.moisture_expansion,
-            )
+            fibres[name] = fibre.made(Fibre, **_labels(name, fibre))
     for name, matrix in tables.matrices.items():
         matrices.pop(name, None)
         with findings.at(f"matrices.{name}"):
-            matrices[name] = _matrix(name, matrix)
+            heat_and_water = vars(matrix.hygrothermal)
+            matrices[name] = matrix.made(Matrix, **_labels(name, matrix), **heat_and_water)
     return fibres, matrices
 
 
-def _matrix(name: str, table: MatrixTable) -> Matrix:
-    return Matrix(
-        **_common(name, table),
-        **vars(table.hygrothermal),
-        tensile_strength=table.tensile_strength,
-    )
-
-
-def _common(name: str, table: ConstituentTable) -> dict[str, Any]:
-    stated = ConstituentTable.model_fields.keys() - {"name", "uncertainty"}
-    return {
-        **{key: getattr(table, key) for key in stated},
-        "name": name if table.name is None else table.name,
-        "uncertainty": table.spreads,
-    }
+def _labels(name: str, table: ConstituentTable) -> dict[str, Any]:
+    return {"name": name if table.name is None else table.name, "uncertainty": table.spreads}
 
 
 def _all_built(

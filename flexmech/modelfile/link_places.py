@@ -159,7 +159,7 @@ def joint_pins(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tup
                 PinEye(beam, **(joint.eye_sizes(parent) | joint.eye_sizes(beam)))
                 for beam, parent in zip(beams, parents, strict=True)
             )
-            pin = JointPin(name, joint.diameter, eyes, **joint.allowed)
+            pin = joint.made(JointPin, joint=name, eyes=eyes)
             found += checked_parts(topology, "joint_pins", [pin])
             for key, link in _named(joint):
                 known = list(dict.fromkeys([*parents, *beams]))

@@ -8,10 +8,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from flexmech import si
 from flexmech.errors import InputError
+from flexmech.mechanism import AttachedBody, PointMass
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile.material_tables import WettedTable
-from flexmech.sections import LayerDirection
+from flexmech.sections import BeamSection, DampingTimes, LayerDirection, SpecificDamping
 
 Beam = Annotated[int, Field(ge=1, strict=True)]
 OF_BEAM = (
@@ -21,27 +23,15 @@ OF_BEAM = (
 SECTIONLESS = "none"
 
 
-class PointMassTable(base.Table):
+class PointMassTable(base.RecordTable, of=PointMass):
     """A point mass on a link."""
 
-    position: base.LengthOrZero = Field(description="Distance from the link's first joint")
-    mass: base.Mass = Field(description="Mass of the point")
     beam: Beam | None = base.optional(OF_BEAM)
 
 
-class BodyTable(base.Table):
+class BodyTable(base.RecordTable, of=AttachedBody):
     """A rigid body that is fixed to a link: a hub, a piston, a counterweight."""
 
-    position: base.LengthOrZero = Field(
-        description="Distance from the link's first joint of the section that it is fixed to"
-    )
-    mass: base.Mass = base.optional("0 if left out", 0.0, "0 kg")
-    inertia: base.Inertia = base.optional("About its own centre of mass", 0.0, "0 kg m^2")
-    offset: tuple[base.Distance, base.Distance] = base.optional(
-        "Of its centre of mass, along and across the link, to the left positive",
-        (0.0, 0.0),
-        ["0 m", "0 m"],
-    )
     beam: Beam | None = base.optional(OF_BEAM)
 
     @model_validator(mode="after")
@@ -57,10 +47,10 @@ class AnyLinkTable(base.DampedTable, WettedTable):
     points: list[base.Text] | None = base.optional(
         "Of kind planar: points at its two ends, or a chain of more that beams join"
     )
-    length: base.Length | None = base.optional(
+    length: si.Length | None = base.optional(
         "Of kind planar: between its two points; places one that is not drawn"
     )
-    angle: base.AngleOfTurn | None = base.optional(
+    angle: si.AngleOfTurn | None = base.optional(
         "Of kind planar, with length: from its first point to its second, to the ground's x axis, "
         "at drawn_at; of the crank drawn_at if left out"
     )
@@ -76,10 +66,10 @@ class RectangleLinkTable(AnyLinkTable):
 
     section: Literal["rectangle"]
     material: base.Text = Field(description="Name of a table under [materials]")
-    in_plane_thickness: base.Thickness = Field(
+    in_plane_thickness: si.Thickness = Field(
         description="Extent of the section in the linkage's plane: h in I = b h^3 / 12"
     )
-    out_of_plane_width: base.Width = Field(
+    out_of_plane_width: si.Width = Field(
         description="Extent of the section along the joint axes: b in I = b h^3 / 12"
     )
 
@@ -128,11 +118,11 @@ class LaminateLinkTable(AnyLinkTable):
     section: Literal["laminate"]
     laminate: base.Text = Field(description="Name of a table under [laminates]")
     layers: LayerDirection = base.optional(LAYERS, "through thickness")
-    out_of_plane_width: base.Width | None = base.optional(
+    out_of_plane_width: si.Width | None = base.optional(
         "Extent of the section along the joint axes; with layers across the width the laminate's "
         "thickness is that"
     )
-    in_plane_thickness: base.Thickness | None = base.optional(
+    in_plane_thickness: si.Thickness | None = base.optional(
         "With layers across the width alone: extent of the section in the linkage's plane"
     )
     reduction: Literal["narrow", "wide"] = base.optional(
@@ -152,56 +142,28 @@ class LaminateLinkTable(AnyLinkTable):
         """Take the specific damping of the plies at that frequency."""
 
 
-class DampingTimesTable(base.Table):
+class DampingTimesTable(
+    base.RecordTable,
+    of=DampingTimes,
+    without={"stated"},
+    required={"axial", "bending", "shear"},
+):
     """Kelvin-Voigt times of a section by deformation."""
 
-    axial: base.TimeOrZero = Field(description="Of stretching along the neutral axis")
-    bending: base.TimeOrZero = Field(description="Of bending about it")
-    shear: base.TimeOrZero = Field(description="Of shear")
-    warping: base.TimeOrZero | None = base.optional(
-        "Of warping cross-sections; as of bending if left out"
-    )
 
-
-class SpecificDampingTable(base.Table):
+class SpecificDampingTable(base.RecordTable, of=SpecificDamping):
     """Energy that a section loses in a cycle over its largest, by deformation."""
 
-    axial: base.SpecificDamping = Field(description="Of stretching along the neutral axis")
-    bending: base.SpecificDamping = Field(description="Of bending about it")
-    shear: base.SpecificDamping = Field(description="Of shear")
-    warping: base.SpecificDamping | None = base.optional(
-        "Of warping cross-sections; as of bending if left out"
-    )
 
-
-class GeneralLinkTable(AnyLinkTable):
+class GeneralLinkTable(AnyLinkTable, base.RecordTable, of=BeamSection):
     """A link whose section is given by its stiffness and mass per length."""
 
     section: Literal["general"]
-    axial_stiffness: base.Force = Field(description="EA")
-    bending_stiffness: base.BendingStiffness = Field(
-        description="EI about the neutral axis, for bending in the plane"
-    )
-    shear_stiffness: base.ShearStiffness = base.optional(
+    shear_stiffness: si.ShearStiffness = base.optional(
         'kGA, with the shear correction factor k; "rigid", or left out, of a beam that does not '
         "shear",
         math.inf,
         "rigid",
-    )
-    mass_per_length: base.MassPerLength = Field(description="rho A")
-    rotary_inertia: base.RotaryInertia = Field(
-        description="rho I, mass moment of inertia per length"
-    )
-    in_plane_thickness: base.Thickness = Field(
-        description="Extent of the section in the linkage's plane"
-    )
-    neutral_axis: base.Distance = base.optional(
-        "Distance of the neutral axis from the line of the pins, to the left positive", 0.0, "0 m"
-    )
-    mass_axis: base.Distance = base.optional("The same of the centre of mass", 0.0, "0 m")
-    free_strain: base.Ratio = base.optional("Of the neutral axis, without load", 0.0)
-    free_curvature: base.Curvature = base.optional(
-        "Without load; positive turns to the left along the link", 0.0, "0 1/m"
     )
     damping_times: DampingTimesTable | None = base.optional(
         "In place of damping_time, where deformations differ"
@@ -214,7 +176,7 @@ class GeneralLinkTable(AnyLinkTable):
         "its stiffness stays as stated here"
     )
     layers: LayerDirection = base.optional("With laminate", "through thickness")
-    out_of_plane_width: base.Width | None = base.optional("With laminate through the thickness")
+    out_of_plane_width: si.Width | None = base.optional("With laminate through the thickness")
     reduction: Literal["narrow", "wide"] = base.optional("With laminate", "narrow")
     twist: Literal["free", "held"] | None = base.optional("With laminate")
 
@@ -243,9 +205,9 @@ class RigidLinkTable(AnyLinkTable):
     """A rigid link without a section: its mass is stated, or that of its bodies."""
 
     section: Literal["none"] = base.optional("Left out", "none")
-    mass: base.Mass = base.optional("Of the link; 0 if left out", 0.0, "0 kg")
-    inertia: base.Inertia = base.optional("About its centre of mass", 0.0, "0 kg m^2")
-    centre: base.LengthOrZero | None = base.optional(
+    mass: si.Mass = base.optional("Of the link; 0 if left out", 0.0, "0 kg")
+    inertia: si.Inertia = base.optional("About its centre of mass", 0.0, "0 kg m^2")
+    centre: si.LengthOrZero | None = base.optional(
         "Distance of its centre of mass from its first joint; its middle if left out"
     )
 

@@ -6,11 +6,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
+from flexmech import si
 from flexmech.errors import InputError, suggestion
 from flexmech.materials import (
     REFERENCE_TEMPERATURE,
     FatigueStrength,
+    Fibre,
     Hygrothermal,
+    Matrix,
+    Ply,
     PlyStrength,
     ResinContent,
 )
@@ -22,34 +26,22 @@ from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE, parse_quantity
 from flexmech.validation import NOT_NEGATIVE
 
 
-class HygrothermalTable(base.Table):
+class HygrothermalTable(base.RecordTable, of=Hygrothermal):
     """What heat and water do to a resin; what is left out, they do not do."""
 
-    thermal_expansion: base.Expansion = base.optional(
-        "Strain per temperature, dry; 0 if left out", 0.0, "0 1/K"
-    )
-    wet_thermal_expansion: base.Expansion | None = base.optional(
-        "The same at equilibrium_moisture; linear between the two"
-    )
-    moisture_expansion: base.MoistureExpansion = base.optional(
-        "Strain per moisture, as '3.02e-3 1/percent'; 0 if left out", 0.0, 0
-    )
-    equilibrium_moisture: base.MoistureContent | None = base.optional(
+    equilibrium_moisture: si.MoistureContent | None = base.optional(
         "Mass of water over the resin's dry mass in the end at 100 % humidity"
     )
-    humidity_exponent: base.PositiveRatio | None = base.optional(
+    humidity_exponent: si.PositiveRatio | None = base.optional(
         "Moisture goes with relative humidity to this power; 1 if left out"
     )
-    glass_transition: base.Temperature | None = base.optional(
-        "Of the dry resin; without it heat and water do not soften it"
-    )
-    diffusivity: base.DiffusivityValue | None = base.optional(
+    diffusivity: si.DiffusivityValue | None = base.optional(
         "Of water in the resin at diffusivity_temperature"
     )
-    diffusivity_temperature: base.Temperature | None = base.optional(
+    diffusivity_temperature: si.Temperature | None = base.optional(
         "At which diffusivity holds; 20 degC if left out"
     )
-    activation_energy: base.ActivationEnergy | None = base.optional(
+    activation_energy: si.ActivationEnergy | None = base.optional(
         "Of diffusion, by Arrhenius' law; 0 if left out"
     )
 
@@ -79,26 +71,16 @@ class HygrothermalTable(base.Table):
                 self.diffusivity_temperature or REFERENCE_TEMPERATURE,
                 self.activation_energy or 0.0,
             )
-        return Hygrothermal(
-            self.thermal_expansion,
-            self.wet_thermal_expansion,
-            self.moisture_expansion,
-            equilibrium,
-            diffusivity,
-            self.glass_transition,
-        )
+        return self.made(Hygrothermal, equilibrium=equilibrium, diffusivity=diffusivity)
 
 
-class ResinTable(HygrothermalTable):
+class ResinTable(HygrothermalTable, of=ResinContent):
     """The resin in a ply that is given by its constants."""
-
-    mass_fraction: base.Ratio = base.optional("Of the dry ply", 1.0)
-    volume_fraction: base.Ratio = base.optional("Of the ply", 1.0)
 
     @property
     def content(self) -> ResinContent:
         """The resin and its share of the ply."""
-        return ResinContent(self.hygrothermal, self.mass_fraction, self.volume_fraction)
+        return self.made(ResinContent, hygrothermal=self.hygrothermal)
 
 
 class WettedTable(base.Table):
@@ -115,16 +97,9 @@ class WettedTable(base.Table):
 Weave = Literal["unidirectional", "woven"]
 
 
-class ConstituentTable(base.Table):
-    """A resin, or what a fibre has in common with one."""
+class ConstituentTable(base.RecordTable):
+    """What fibres and resins have in common."""
 
-    youngs_modulus: base.Stress = Field(description="Young's modulus E; of a fibre, along it")
-    shear_modulus: base.Stress = Field(description="Shear modulus G")
-    density: base.Density = Field(description="Density rho")
-    poisson_ratio: base.PoissonRatio = Field(description="Poisson's ratio nu")
-    specific_damping: base.SpecificDamping = base.optional(
-        "Energy lost in a cycle over its largest; 0 if left out", 0.0
-    )
     name: str | None = base.optional("That of its table if left out")
     source: str = base.optional("Publication or measurement of the numbers", "")
     uncertainty: dict[str, str | float] = Field(
@@ -157,23 +132,12 @@ def _spread(key: str, value: object) -> float:
     return spread
 
 
-class FibreTable(ConstituentTable):
+class FibreTable(ConstituentTable, of=Fibre):
     """A fibre; isotropic across it unless its transverse moduli are given."""
 
-    transverse_modulus: base.Stress | None = base.optional("E across the fibre")
-    transverse_shear_modulus: base.Stress | None = base.optional("G in the fibre's cross-section")
-    thermal_expansion: base.Expansion = base.optional(
-        "Strain per temperature; 0 if left out", 0.0, "0 1/K"
-    )
-    moisture_expansion: base.MoistureExpansion = base.optional(
-        "Strain per moisture of the fibre; 0 if left out", 0.0, 0
-    )
 
-
-class MatrixTable(ConstituentTable, HygrothermalTable):
+class MatrixTable(ConstituentTable, HygrothermalTable, of=Matrix):
     """A resin, with what heat and water do to it."""
-
-    tensile_strength: base.Stress | None = base.optional("Of the dry resin")
 
 
 class CompositionTable(base.Table):
@@ -181,7 +145,7 @@ class CompositionTable(base.Table):
 
     fibre: base.Text = Field(description="Published fibre, or a table under [fibres]")
     matrix: base.Text = Field(description="Published resin, or a table under [matrices]")
-    fibre_volume_fraction: base.Ratio = Field(description="Volume of fibres over that of the ply")
+    fibre_volume_fraction: si.Ratio = Field(description="Volume of fibres over that of the ply")
     rule: Literal["chamis", "halpin-tsai", "rule-of-mixtures"] = base.optional(
         "How moduli across the fibres follow from the constituents", "chamis"
     )
@@ -190,59 +154,36 @@ class CompositionTable(base.Table):
     )
 
 
-class StrengthTable(base.Table):
+class StrengthTable(base.RecordTable, of=PlyStrength, without=SYMBOLS):
     """Strengths of a ply at the reference temperature, dry; all positive."""
 
-    Xt: base.Stress = Field(description="Tensile strength along the fibres")
-    Xc: base.Stress = Field(description="Compressive strength along the fibres")
-    Yt: base.Stress = Field(description="Tensile strength across the fibres")
-    Yc: base.Stress = Field(description="Compressive strength across the fibres")
-    S12: base.Stress = Field(description="Shear strength in the plane of the ply")
-    S23: base.Stress | None = base.optional(
+    Xt: si.Stress = Field(description="Tensile strength along the fibres")
+    Xc: si.Stress = Field(description="Compressive strength along the fibres")
+    Yt: si.Stress = Field(description="Tensile strength across the fibres")
+    Yc: si.Stress = Field(description="Compressive strength across the fibres")
+    S12: si.Stress = Field(description="Shear strength in the plane of the ply")
+    S23: si.Stress | None = base.optional(
         "Shear strength in the plane across the fibres, for Hashin's criterion"
-    )
-    inclination_tension: base.Ratio | None = base.optional(
-        "Puck's inclination of the failure curve at no transverse stress, on the side of tension "
-        "(VDI 2014: 0.30 for glass, 0.35 for carbon in epoxy)"
-    )
-    inclination_compression: base.Ratio | None = base.optional(
-        "The same on the side of compression (VDI 2014: 0.25 for glass, 0.30 for carbon in epoxy)"
     )
     source: str = base.optional("Publication or measurement of the numbers", "")
 
     @property
     def strength(self) -> PlyStrength:
         """The strengths that are stated."""
-        return PlyStrength(
-            **{name: getattr(self, symbol) for name, symbol in SYMBOLS.items()},
-            inclination_tension=self.inclination_tension,
-            inclination_compression=self.inclination_compression,
-            source=self.source,
-        )
+        strengths = {name: getattr(self, symbol) for name, symbol in SYMBOLS.items()}
+        return self.made(PlyStrength, **strengths)
 
 
 class PointOfLifeTable(base.Table):
     """A point of an S-N line."""
 
-    cycles: base.Cycles = Field(description="To failure")
-    amplitude: base.Stress = Field(description="Half the stress range, without mean stress")
+    cycles: si.Cycles = Field(description="To failure")
+    amplitude: si.Stress = Field(description="Half the stress range, without mean stress")
 
 
-class FatigueTable(base.Table):
+class FatigueTable(base.RecordTable, of=FatigueStrength):
     """What an isotropic material bears again and again, at the reference temperature, dry."""
 
-    tensile_strength: base.Stress = Field(
-        description="Ultimate strength, which Goodman's line of mean stress needs"
-    )
-    endurance_limit: base.Stress | None = base.optional(
-        "Stress amplitude without mean stress that is borne for endurance_cycles; it counts as "
-        "borne for ever. Of the part as it is made: with its surface and size"
-    )
-    endurance_cycles: base.Cycles | None = base.optional("For how many endurance_limit was found")
-    basquin_exponent: base.BasquinExponent | None = base.optional(
-        "Of the S-N line through the endurance limit: amplitude over cycles to this power, such as "
-        "-0.085"
-    )
     sn_points: tuple[PointOfLifeTable, PointOfLifeTable] | None = base.optional(
         "In place of basquin_exponent: two points of the S-N line, the shorter life first; without "
         "endurance_limit, load factors are to the amplitude of the second"
@@ -258,27 +199,17 @@ class FatigueTable(base.Table):
     @property
     def strength(self) -> FatigueStrength:
         """The strengths that are stated."""
-        points = self.sn_points
-        return FatigueStrength(
-            self.tensile_strength,
-            self.endurance_limit,
-            self.endurance_cycles,
-            self.basquin_exponent,
-            None
-            if points is None
-            else (
-                (points[0].cycles, points[0].amplitude),
-                (points[1].cycles, points[1].amplitude),
-            ),
-            self.source,
-        )
+        if self.sn_points is None:
+            return self.made(FatigueStrength)
+        first, second = ((point.cycles, point.amplitude) for point in self.sn_points)
+        return self.made(FatigueStrength, sn_points=(first, second))
 
 
 class AnyPlyTable(base.Table):
     """What all plies have in common."""
 
     name: str | None = base.optional("That of its table if left out")
-    thickness: base.Thickness | None = base.optional("Of one layer of this ply")
+    thickness: si.Thickness | None = base.optional("Of one layer of this ply")
 
 
 class FibrousPlyTable(AnyPlyTable):
@@ -295,40 +226,41 @@ class ConstituentPlyTable(FibrousPlyTable, CompositionTable):
     type: Literal["constituents"]
 
 
-class OrthotropicPlyTable(FibrousPlyTable):
+class OrthotropicPlyTable(
+    FibrousPlyTable,
+    base.RecordTable,
+    of=Ply,
+    without={"thermal_expansion", "moisture_expansion", "yield_strength"},
+    required={
+        "longitudinal_modulus",
+        "transverse_modulus",
+        "in_plane_shear_modulus",
+        "poisson_ratio",
+        "density",
+    },
+):
     """A ply by its measured constants."""
 
     type: Literal["orthotropic"]
-    longitudinal_modulus: base.Stress = Field(description="E1, along the fibres")
-    transverse_modulus: base.Stress = Field(description="E2, across them")
-    in_plane_shear_modulus: base.Stress = Field(description="G12")
-    longitudinal_shear_modulus: base.Stress | None = base.optional("G13; G12 if left out")
-    transverse_shear_modulus: base.Stress | None = base.optional(
-        "G23; E2 / (2 (1 + nu12)) if left out"
-    )
-    poisson_ratio: base.Ratio = Field(description="nu12: contraction across over stretch along")
-    density: base.Density = Field(description="Density rho")
-    longitudinal_damping: base.SpecificDamping = base.optional(
+    longitudinal_damping: si.SpecificDamping = base.optional(
         "Energy lost in a cycle over its largest, along the fibres", 0.0
     )
-    transverse_damping: base.SpecificDamping = base.optional("The same across them", 0.0)
-    shear_damping: base.SpecificDamping = base.optional("The same in shear", 0.0)
-    longitudinal_thermal_expansion: base.Expansion = base.optional(
+    transverse_damping: si.SpecificDamping = base.optional("The same across them", 0.0)
+    shear_damping: si.SpecificDamping = base.optional("The same in shear", 0.0)
+    longitudinal_thermal_expansion: si.Expansion = base.optional(
         "Strain along the fibres per temperature; 0 if left out", 0.0, "0 1/K"
     )
-    transverse_thermal_expansion: base.Expansion = base.optional(
-        "The same across them", 0.0, "0 1/K"
-    )
-    longitudinal_moisture_expansion: base.PlyMoistureExpansion = base.optional(
+    transverse_thermal_expansion: si.Expansion = base.optional("The same across them", 0.0, "0 1/K")
+    longitudinal_moisture_expansion: si.PlyMoistureExpansion = base.optional(
         "Strain along the fibres per moisture of the resin; 0 if left out", 0.0, 0
     )
-    transverse_moisture_expansion: base.PlyMoistureExpansion = base.optional(
+    transverse_moisture_expansion: si.PlyMoistureExpansion = base.optional(
         "The same across them", 0.0, 0
     )
     matrix: base.Text | None = base.optional(
         "Resin under [matrices] by which the ply takes up water and softens"
     )
-    fibre_volume_fraction: base.Ratio | None = base.optional(
+    fibre_volume_fraction: si.Ratio | None = base.optional(
         "Volume of fibres over that of the ply, with matrix"
     )
     weave: Weave = base.optional(
@@ -367,7 +299,7 @@ def _one_or_each(value: Any) -> str:
 
 # Told apart before they are read: what is wrong in a list is then reported of its entry.
 OneOrEach = Annotated[
-    Annotated[base.Thickness, Tag("one")] | Annotated[list[base.Thickness], Tag("each")],
+    Annotated[si.Thickness, Tag("one")] | Annotated[list[si.Thickness], Tag("each")],
     Discriminator(_one_or_each),
 ]
 
@@ -380,13 +312,13 @@ class LaminateTable(base.Table):
         "when looking from its first joint along it), as in '[C/G/C]', '[C@0/C@45/C@-45]s' "
         "(angle in degrees; s mirrors the stack) or '[C@90*2/G]' (twice)"
     )
-    angles: list[base.AngleOfTurn] | None = base.optional(
+    angles: list[si.AngleOfTurn] | None = base.optional(
         "Of the fibres against the link's axis, instead of '@'"
     )
     ply_thickness: OneOrEach | None = base.optional(
         "Of every layer, or one for each; else that of the ply's table"
     )
-    stress_free_temperature: base.Temperature | None = base.optional(
+    stress_free_temperature: si.Temperature | None = base.optional(
         "At which its dry plies do not strain each other, about that of its cure; without it "
         "stresses of cure are not counted"
     )

@@ -12,8 +12,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from flexmech.errors import InputError, is_plain, one_line, suggestion
-from flexmech.modelfile.base_table import QuantityField
 from flexmech.modelfile.document import ModelFile
+from flexmech.si import QuantityField
 
 # Of the errors of a file, as many as a screen shows, and of the text of each, five lines.
 MOST_TOLD = 10

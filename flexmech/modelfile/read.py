@@ -9,21 +9,20 @@ import copy
 import hashlib
 import os
 import tomllib
-import types
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Self, Union, get_args, get_origin
+from typing import Annotated, Any, Self, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from flexmech import si
 from flexmech.errors import InputError, suggestion
 from flexmech.files import bytes_of, given_path
 from flexmech.linkages import PlanarLinkage
 from flexmech.mechanism import Mechanism
 from flexmech.model_text import quantity
-from flexmech.modelfile.base_table import QuantityField, WrittenField
 from flexmech.modelfile.build import build_mechanism
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.linkage_tables import PlanarTable
@@ -354,32 +353,17 @@ def _of_value(annotation: Any, inside: Any, own: Any) -> Iterator[tuple[Keys, Di
             for keys, stated in _of_value(_entries(annotation, list, tuple), one, each):
                 yield (str(number), *keys), stated
     else:
-        marks = [mark for mark in _marks(annotation) if isinstance(mark, QuantityField)]
-        if marks and not isinstance(marks[0], WrittenField):
-            if marks[0].dimension is not TEMPERATURE:
-                yield (), marks[0].dimension
-        elif not marks and isinstance(own, str):
-            yield (), own
-
-
-def _options(annotation: Any) -> Iterator[Any]:
-    """An annotation, and those that are alternatives in it."""
-    yield annotation
-    if get_origin(annotation) in (Annotated, Union, types.UnionType):
-        inner = get_args(annotation)
-        for option in inner[:1] if get_origin(annotation) is Annotated else inner:
-            yield from _options(option)
-
-
-def _marks(annotation: Any) -> Iterator[Any]:
-    """What an annotation, or an alternative in it, is marked with."""
-    for option in _options(annotation):
-        yield from getattr(option, "__metadata__", ())
+        mark = si.mark_of(annotation)
+        if mark is None:
+            if isinstance(own, str):
+                yield (), own
+        elif mark.dimension is not TEMPERATURE and not isinstance(mark, si.WrittenField):
+            yield (), mark.dimension
 
 
 def _entries(annotation: Any, *kinds: type) -> Any:
     """Annotation of the entries of a list or a table by name."""
-    for option in _options(annotation):
+    for option in si.options(annotation):
         if get_origin(option) in kinds:
             return [each for each in get_args(option) if each is not Ellipsis][-1]
     return Any

@@ -9,45 +9,26 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmech import units
+from flexmech import si, units
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import Topology
 from flexmech.linkages.topology import LinkEnd
 from flexmech.materials import Laminate, Layer, Material, Ply
-from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, short_repr, stated
+from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr, stated
 from flexmech.sections.beam_reduction import ThirdOrder, Zigzag, rectangular_zigzag
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.sheet_section import SheetSection
 from flexmech.validation import (
-    FINITE,
     NOT_NEGATIVE,
     POSITIVE,
-    check_fields,
     check_instance,
     check_number,
 )
 
 Layers = LaminateSection | SheetSection
 
-# What no section is without.
-DIMENSIONS = {
-    "axial_stiffness": units.FORCE,
-    "bending_stiffness": units.BENDING_STIFFNESS,
-    "shear_stiffness": units.FORCE,
-    "mass_per_length": units.MASS_PER_LENGTH,
-    "rotary_inertia": units.ROTARY_INERTIA,
-    "in_plane_thickness": units.LENGTH,
-}
-
-# Zero where they are left out.
-MAY_BE_ZERO = {
-    "neutral_axis": units.LENGTH,
-    "mass_axis": units.LENGTH,
-    "free_strain": units.RATIO,
-    "free_curvature": units.CURVATURE,
-}
 # What goes with the layers, and the place that follows from two of these.
 _STIFFNESSES = ("axial_stiffness", "bending_stiffness", "shear_stiffness")
 _INERTIAS = ("mass_per_length", "rotary_inertia")
@@ -77,14 +58,14 @@ class BeamSection:
     mass_per_length : float
         rho A in kg/m.
     rotary_inertia : float
-        rho I about the mass axis in kg m.
+        rho I about the mass axis in kg m, mass moment of inertia per length.
     in_plane_thickness : float
-        Extent of the section in the plane of the linkage in m (surface strain, drawings).
+        Extent of the section in m in the linkage's plane.
     neutral_axis : float
-        Distance of the neutral axis from the reference axis in m: an axial force on it does
-        not bend.
+        Distance of the neutral axis from the line of the pins in m, to the left positive: an axial
+        force on it does not bend.
     mass_axis : float
-        Distance of the centre of mass from the reference axis in m.
+        Distance of the centre of mass from the line of the pins in m, to the left positive.
     damping : DampingTimes
         Kelvin-Voigt damping.
     specific_damping : SpecificDamping, optional
@@ -95,8 +76,8 @@ class BeamSection:
     free_strain : float
         Strain of the neutral axis without load, over the length that the link is given.
     free_curvature : float
-        Curvature without load in 1/m, positive where the link turns to the left along it: of
-        uneven swelling.
+        Curvature without load in 1/m, of uneven swelling; positive turns to the left along the
+        link.
     damping_frequency : float, optional
         In Hz; where it is given, ``damping`` has the loss of ``specific_damping`` at it.
 
@@ -118,34 +99,27 @@ class BeamSection:
     True
     """
 
-    axial_stiffness: float
-    bending_stiffness: float
-    shear_stiffness: float
-    mass_per_length: float
-    rotary_inertia: float
-    in_plane_thickness: float
-    neutral_axis: float = 0.0
-    mass_axis: float = 0.0
+    axial_stiffness: si.Force
+    bending_stiffness: si.BendingStiffness
+    shear_stiffness: si.ShearStiffness
+    mass_per_length: si.MassPerLength
+    rotary_inertia: si.RotaryInertia
+    in_plane_thickness: si.Thickness
+    neutral_axis: si.Distance = 0.0
+    mass_axis: si.Distance = 0.0
     damping: DampingTimes = UNDAMPED
     specific_damping: SpecificDamping | None = None
     layers: Layers | None = None
-    free_strain: float = 0.0
-    free_curvature: float = 0.0
-    damping_frequency: float | None = None
+    free_strain: si.Ratio = 0.0
+    free_curvature: si.Curvature = 0.0
+    damping_frequency: si.Frequency | None = None
 
     def __post_init__(self) -> None:
-        of = "of a beam section"
-        needed = {name: dimension.unit for name, dimension in DIMENSIONS.items()}
-        if isinstance(self.shear_stiffness, float) and self.shear_stiffness == math.inf:
-            del needed["shear_stiffness"]
-        check_fields(self, needed, POSITIVE, of)
+        si.check(self, "{} of a beam section")
         for name in ("neutral_axis", "mass_axis"):
             value = getattr(self, name)
-            check_number(value, f"{name} {of}", "m")
             if not abs(value) < self.in_plane_thickness / 2:
                 raise InputError(f"{name} must lie inside the section, got {value} m")
-        check_fields(self, {"free_strain": "", "free_curvature": "1/m"}, FINITE, of)
-        check_fields(self, {"damping_frequency": "Hz"}, POSITIVE, of, optional=True)
 
     def __repr__(self) -> str:
         return short_repr(
@@ -382,9 +356,7 @@ class BeamSection:
                 }
             if self == BeamSection.of_laminate(layers).damped_as(self):
                 return {"section": "laminate", **layers.to_table(shared), **damping}
-        rigid = set() if self.shears else {"shear_stiffness"}
-        stated = {key: own for key, own in (DIMENSIONS | MAY_BE_ZERO).items() if key not in rigid}
-        numbers = fields_table(self, stated) | dict.fromkeys(rigid, "rigid")
+        numbers = si.table(self, without={"damping_frequency"})
         return {"section": "general", **numbers, **self._tables_within(shared)}
 
     def damped_as(self, other: BeamSection) -> BeamSection:

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from flexmech import si
 from flexmech.model_text import TomlTable, quantity
-from flexmech.units import RATIO, TIME
-from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_number
+from flexmech.units import TIME
+from flexmech.validation import POSITIVE, check_number
 
 
 @dataclass(frozen=True)
@@ -19,11 +20,15 @@ class DampingTimes:
 
     Parameters
     ----------
-    axial, bending, shear : float
-        Of the axial force, the bending moment about the neutral axis and the shear force.
+    axial : float
+        Of stretching along the neutral axis, in s.
+    bending : float
+        Of bending about it, in s.
+    shear : float
+        Of shear, in s.
     warping : float, optional
-        Of what a change of the shear angle along the link asks for (zigzag and third-order
-        beams); as of bending where it is left out.
+        Of warping cross-sections, in s; as of bending if left out. A change of the shear angle
+        along the link asks for it in zigzag and third-order beams.
     stated : bool
         Whether anybody says so. Times of zero that nobody states leave open whether the
         specific damping counts in motion over time.
@@ -34,15 +39,14 @@ class DampingTimes:
         If a time is negative or not a number.
     """
 
-    axial: float = 0.0
-    bending: float = 0.0
-    shear: float = 0.0
-    warping: float | None = None
+    axial: si.TimeOrZero = 0.0
+    bending: si.TimeOrZero = 0.0
+    shear: si.TimeOrZero = 0.0
+    warping: si.TimeOrZero | None = None
     stated: bool = field(default=True, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        for time in _stated(self).values():
-            check_number(time, "damping_time", "s", NOT_NEGATIVE)
+        si.check(self, "damping_time")
 
     @classmethod
     def uniform(cls, time: float) -> DampingTimes:
@@ -79,10 +83,14 @@ class SpecificDamping:
 
     Parameters
     ----------
-    axial, bending, shear : float
-        Of stretching along and bending about the neutral axis, and of shear.
+    axial : float
+        Of stretching along the neutral axis.
+    bending : float
+        Of bending about it.
+    shear : float
+        Of shear.
     warping : float, optional
-        Of warping, as in :class:`DampingTimes`.
+        Of warping cross-sections; as of bending if left out.
 
     Raises
     ------
@@ -90,14 +98,13 @@ class SpecificDamping:
         If a value is negative or not a number.
     """
 
-    axial: float
-    bending: float
-    shear: float
-    warping: float | None = None
+    axial: si.SpecificDamping
+    bending: si.SpecificDamping
+    shear: si.SpecificDamping
+    warping: si.SpecificDamping | None = None
 
     def __post_init__(self) -> None:
-        for loss in _stated(self).values():
-            check_number(loss, "specific damping", "", NOT_NEGATIVE)
+        si.check(self, "specific damping")
 
     def times(self, angular_frequency: float) -> DampingTimes:
         """Kelvin-Voigt times with the same loss at one angular frequency in rad/s.
@@ -125,7 +132,7 @@ class SpecificDamping:
 
     def to_table(self) -> TomlTable:
         """Table ``specific_damping`` of a link in a model file."""
-        return {name: quantity(loss, RATIO) for name, loss in _stated(self).items()}
+        return si.table(self)
 
 
 def _stated(damping: DampingTimes | SpecificDamping) -> dict[str, float]:

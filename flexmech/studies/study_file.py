@@ -11,6 +11,7 @@ from typing import Any
 
 from pydantic import Field, ValidationError
 
+from flexmech import si
 from flexmech.analyses.parameters import Parameters
 from flexmech.choices import EngineName, Prestress
 from flexmech.errors import InputError
@@ -49,14 +50,14 @@ class OutputTable(base.Table):
     """A number that is computed of every design."""
 
     quantity: Quantity = Field(description="What is computed")
-    speed: base.WrittenSpeed | None = base.optional("Crank speed")
+    speed: si.WrittenSpeed | None = base.optional("Crank speed")
     mode: int = Field(default=1, ge=1, description="Of frequencies and damping")
     orders: list[int] | None = base.optional("Multiples of the crank speed to keep away from")
     link: base.Text | None = base.optional("Of deflection, strain and stress")
     joint: base.Text | None = base.optional("Of joint forces")
     prestress: Prestress = Field(default="equilibrium", description="Of frequencies")
     angles: int = Field(default=36, ge=4, description="Crank angles over a turn")
-    points: list[tuple[base.Distance, base.Distance]] | None = base.optional(
+    points: list[tuple[si.Distance, si.Distance]] | None = base.optional(
         "That the coupler point should pass"
     )
 

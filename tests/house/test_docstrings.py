@@ -15,7 +15,7 @@ import inspect
 import pkgutil
 import re
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -117,7 +117,10 @@ def speaks_for_itself(subject: Subject, wanted: list[str], doc: str) -> bool:
     """Whether a docstring may do without the section."""
     value = subject.value
     if inspect.isclass(value) and issubclass(value, BaseModel):
-        return all(is_described(field) for field in value.model_fields.values())
+        # A table of a record has the descriptions of its fields in the schema alone.
+        shown = value.model_json_schema()["properties"]
+        fields = value.model_fields.items()
+        return all(is_described(field, shown[name]) for name, field in fields)
     if carries_help(value):
         return True
     if overrides(subject) or refers(value, wanted, doc):
@@ -126,9 +129,9 @@ def speaks_for_itself(subject: Subject, wanted: list[str], doc: str) -> bool:
     return len(wanted) <= most and not sections(doc)
 
 
-def is_described(field: Any) -> bool:
+def is_described(field: Any, shown: Mapping[str, Any]) -> bool:
     """Whether a table's field has a description or holds tables or one fixed word."""
-    if field.description:
+    if shown.get("description"):
         return True
     return typing.get_origin(field.annotation) is typing.Literal or holds_table(field.annotation)
 

@@ -33,6 +33,7 @@ ORDER = [
     "crank_values",
     "validation",
     "model_text",
+    "si",
     "plots",
     "materials",
     "dynamical_systems",

@@ -12,12 +12,13 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech import si
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
-from flexmech.model_text import TomlTable, fields_table
-from flexmech.units import ANGLE, ANGULAR_SPEED, TIME
+from flexmech.model_text import TomlTable
+from flexmech.units import ANGULAR_SPEED
 from flexmech.validation import NOT_NEGATIVE, check_number
 
 # Part of a motion's speeds, or of a radian over its whole time: what splines leave of rest.
@@ -470,9 +471,9 @@ class ConstantSpeed(Drive):
     array([ 0., 10., 20.])
     """
 
-    speed: float
-    run_up_time: float = 0.0
-    start_angle: float = 0.0
+    speed: si.Speed
+    run_up_time: si.TimeOrZero = 0.0
+    start_angle: si.Angle = 0.0
 
     def __post_init__(self) -> None:
         check_number(self.speed, "crank speed", "rad/s")
@@ -487,8 +488,7 @@ class ConstantSpeed(Drive):
 
     def to_table(self) -> TomlTable:
         """Table ``[drive]`` of a model file."""
-        dimensions = {"speed": ANGULAR_SPEED, "run_up_time": TIME, "start_angle": ANGLE}
-        return fields_table(self, dimensions)
+        return si.table(self)
 
     @cached_property
     def law(self) -> PiecewiseMotion:

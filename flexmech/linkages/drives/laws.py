@@ -16,14 +16,14 @@ from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
+from flexmech import si
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.drives.drive import Drive, PiecewiseMotion
-from flexmech.model_text import TomlTable, fields_table, quantity
+from flexmech.model_text import TomlTable, quantity
 from flexmech.units import ANGLE, TIME
 from flexmech.validation import (
     NOT_NEGATIVE,
-    POSITIVE,
     check_choice,
     check_count,
     check_flag,
@@ -114,29 +114,25 @@ class LawDrive(Drive):
     """
 
     kind: LawName
-    travel: float
-    time: float
-    dwell: float = 0.0
+    travel: si.Angle
+    time: si.RunTime
+    dwell: si.TimeOrZero = 0.0
     moves: int = 1
     forth_and_back: bool = False
-    start_angle: float = 0.0
+    start_angle: si.Angle = 0.0
     speed: ClassVar[float] = 0.0  # type: ignore[misc]
 
     def __post_init__(self) -> None:
         check_choice(self.kind, LAWS, "law")
-        check_number(self.travel, "travel", "rad")
+        si.check(self)
         if self.travel == 0:
             raise InputError("travel must be an angle other than zero, got 0 rad")
-        check_number(self.time, "time", "s", POSITIVE)
-        check_number(self.dwell, "dwell", "s", NOT_NEGATIVE)
         check_count(self.moves, "moves", most=_MOST_MOVES)
         check_flag(self.forth_and_back, "forth_and_back")
-        check_number(self.start_angle, "start_angle", "rad")
 
     def to_table(self) -> TomlTable:
         """Table ``[drive]`` of a model file."""
-        dimensions = {"travel": ANGLE, "time": TIME, "dwell": TIME, "start_angle": ANGLE}
-        table: TomlTable = {"law": self.kind, **fields_table(self, dimensions)}
+        table: TomlTable = {"law": self.kind, **si.table(self)}
         if self.moves > 1:
             table |= {"moves": self.moves, "forth_and_back": self.forth_and_back}
         return table
@@ -250,7 +246,7 @@ class TableDrive(Drive):
 
     times: tuple[float, ...]
     angles: tuple[float, ...]
-    smoothing: float = 0.0
+    smoothing: si.Angle = 0.0
     ends: TableEnds = "free"
     moves: int = 1
     dwell: float = 0.0
@@ -306,7 +302,7 @@ class TableDrive(Drive):
             [quantity(time, TIME), quantity(angle, ANGLE)]
             for time, angle in zip(self.times, self.angles, strict=True)
         ]
-        table: TomlTable = {"table": rows, **fields_table(self, {"smoothing": ANGLE})}
+        table: TomlTable = {"table": rows, **si.table(self)}
         table |= {"ends": self.ends} if self.ends != "free" else {}
         table |= {"dwell": quantity(self.dwell, TIME)} if self.dwell else {}
         return table | ({"moves": self.moves} if self.moves > 1 else {})

@@ -19,10 +19,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech import units
+from flexmech import si, units
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.model_text import TomlTable, fields_table, quantity
+from flexmech.model_text import TomlTable, quantity
 from flexmech.units import Dimension, from_si, to_si
 from flexmech.validation import (
     NOT_NEGATIVE,
@@ -44,9 +44,9 @@ class Motor(abc.ABC):
     inertia : float
         Of the rotor about its axis in kg m^2.
     coupling_stiffness : float, optional
-        Between gear and crank, at the crank, in N m/rad; rigid if left out.
+        Of a coupling between gear and crank, at the crank, in N m/rad; rigid if left out.
     coupling_damping : float
-        In N m s/rad.
+        Of the coupling in N m s/rad.
 
     Raises
     ------
@@ -54,20 +54,17 @@ class Motor(abc.ABC):
         If a number cannot be, or a coupling has no rotor behind it.
     """
 
-    gear_ratio: float = 1.0
-    inertia: float = 0.0
-    coupling_stiffness: float | None = None
-    coupling_damping: float = 0.0
+    gear_ratio: si.PositiveRatio = 1.0
+    inertia: si.Inertia = 0.0
+    coupling_stiffness: si.CouplingStiffness | None = None
+    coupling_damping: si.TorsionalDamping = 0.0
 
     def __post_init__(self) -> None:
-        check_number(self.gear_ratio, "gear_ratio", "", POSITIVE)
-        check_number(self.inertia, "inertia", "kg m^2", NOT_NEGATIVE)
-        check_number(self.coupling_damping, "coupling_damping", "N m s/rad", NOT_NEGATIVE)
+        si.check(self)
         if self.coupling_stiffness is None:
             if self.coupling_damping:
                 raise InputError("coupling_damping goes with coupling_stiffness; give both")
             return
-        check_number(self.coupling_stiffness, "coupling_stiffness", "N m/rad", POSITIVE)
         if not self.inertia:
             raise InputError(
                 "coupling_stiffness needs a rotor behind it; give inertia, or leave the coupling "
@@ -140,18 +137,6 @@ class Motor(abc.ABC):
         command : ndarray, shape (...), optional
             Of speed control, within its limits.
         """
-
-    @property
-    def _own_table(self) -> TomlTable:
-        return fields_table(
-            self,
-            {
-                "gear_ratio": units.RATIO,
-                "inertia": units.INERTIA,
-                "coupling_stiffness": units.TORSIONAL_STIFFNESS,
-                "coupling_damping": units.TORSIONAL_DAMPING,
-            },
-        )
 
 
 @dataclass(frozen=True)
@@ -230,7 +215,7 @@ class TorqueMotor(Motor):
             [quantity(speed, units.ANGULAR_SPEED), quantity(torque, units.TORQUE)]
             for speed, torque in zip(self.speeds, self.torques, strict=True)
         ]
-        return {"torque_speed": rows, **self._own_table}
+        return {"torque_speed": rows, **si.table(self)}
 
     @property
     def gain_dimensions(self) -> tuple[Dimension, Dimension]:
@@ -260,16 +245,17 @@ class DcMotor(Motor):
     Parameters
     ----------
     resistance : float
-        Of the armature in ohm.
+        Of a DC motor's armature in ohm.
     torque_constant : float
-        In N m/A, which is that of the back-EMF in V s/rad.
+        Of a DC motor in N m/A, which is that of the back-EMF in V s/rad.
     voltage : float
-        In V; with speed control the greatest one either way.
+        Of a DC motor in V; with speed control the greatest one either way.
     inductance : float
-        Of the armature in H; without it the current follows at once.
+        Of a DC motor's armature in H; without it the current follows at once.
     initial_current : float, optional
-        Of a motor with inductance at time zero, in A; left out, the one that holds the crank
-        against its loads, as a brake leaves it that is released at that current.
+        Of a DC motor with inductance at time zero in A, 0 A of one that is switched on then; if
+        left out the one that holds the crank against its loads, as a brake leaves it that is
+        released at that current.
     gear_ratio, inertia, coupling_stiffness, coupling_damping : float, optional
         As of :class:`Motor`, by their names.
 
@@ -285,22 +271,15 @@ class DcMotor(Motor):
     (400.0, 1.2)
     """
 
-    resistance: float
-    torque_constant: float
-    voltage: float
-    inductance: float = 0.0
-    initial_current: float | None = None
+    resistance: si.Resistance
+    torque_constant: si.TorqueConstant
+    voltage: si.Voltage
+    inductance: si.Inductance = 0.0
+    initial_current: si.Current | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_number(self.resistance, "resistance", "ohm", POSITIVE)
-        check_number(self.torque_constant, "torque_constant", "N m/A", POSITIVE)
-        check_number(self.voltage, "voltage", "V")
-        check_number(self.inductance, "inductance", "H", NOT_NEGATIVE)
-        if self.initial_current is None:
-            return
-        check_number(self.initial_current, "initial_current", "A")
-        if not self.inductance:
+        if self.initial_current is not None and not self.inductance:
             raise InputError(
                 "initial_current goes with inductance, without which the current follows at once; "
                 "give both, or leave initial_current out"
@@ -328,18 +307,7 @@ class DcMotor(Motor):
 
     def to_table(self) -> TomlTable:
         """Value of the key ``motor`` of a model file."""
-        dimensions = {
-            "resistance": units.RESISTANCE,
-            "inductance": units.INDUCTANCE,
-            "torque_constant": units.TORQUE_CONSTANT,
-            "voltage": units.VOLTAGE,
-        }
-        own = {key: quantity(getattr(self, key), of) for key, of in dimensions.items()}
-        if not self.inductance:
-            del own["inductance"]
-        if self.initial_current is not None:
-            own["initial_current"] = quantity(self.initial_current, units.CURRENT)
-        return {"kind": "dc", **own, **self._own_table}
+        return {"kind": "dc", **si.table(self)}
 
     @property
     def gain_dimensions(self) -> tuple[Dimension, Dimension]:

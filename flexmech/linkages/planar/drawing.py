@@ -11,12 +11,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from flexmech import si
 from flexmech.arrays import SAME_PLACE
 from flexmech.errors import InputError, suggestion
 from flexmech.linkages.applied_forces import GROUND
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Slider, Topology, Weld
-from flexmech.model_text import TomlTable, fields_table
-from flexmech.units import ANGLE
+from flexmech.model_text import TomlTable
 from flexmech.validation import (
     check_angle,
     check_choice,
@@ -109,7 +109,7 @@ class PlanarJoint:
     point: str
     kind: JointKind = "pin"
     links: tuple[str, ...] = ()
-    direction: float | None = None
+    direction: si.AngleOfTurn | None = None
     guide: str = ""
 
     def __post_init__(self) -> None:
@@ -134,7 +134,7 @@ class PlanarJoint:
         """Keys of the joint in a model file."""
         links = {"links": list(self.links)} if self.links else {}
         guide = {"guide": self.guide} if self.guide else {}
-        return {"kind": self.kind, **links, **fields_table(self, {"direction": ANGLE}), **guide}
+        return {"kind": self.kind, **links, **si.table(self), **guide}
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech import si
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_fields
+from flexmech.validation import POSITIVE, check_fields
 
 # In J/(mol K); exact since the mole and the kelvin are defined by numbers (SI, 2019).
 GAS_CONSTANT = 8.31446261815324
@@ -34,14 +35,12 @@ class Diffusivity:
         If the value or the temperature is not positive, or the energy negative.
     """
 
-    value: float
-    reference_temperature: float = 293.15
-    activation_energy: float = 0.0
+    value: si.DiffusivityValue
+    reference_temperature: si.Temperature = 293.15
+    activation_energy: si.ActivationEnergy = 0.0
 
     def __post_init__(self) -> None:
-        of = "of a diffusivity"
-        check_fields(self, {"value": "m^2/s", "reference_temperature": "K"}, POSITIVE, of)
-        check_fields(self, {"activation_energy": "J/mol"}, NOT_NEGATIVE, of)
+        si.check(self, "{} of a diffusivity")
 
     def at(self, temperature: ArrayLike) -> FloatArray:
         """Diffusivity in m^2/s at temperatures.
