@@ -18,7 +18,7 @@ ELEMENTS: dict[EngineName, tuple[ElementName, ...]] = {
     "reference": get_args(ReferenceElement),
     "exudyn": get_args(ExudynElement),
 }
-"""Of each engine: first the slender beam, then the one that shears as well."""
+"""Elements of each engine: first the slender beam, then the one that shears as well."""
 
 Prestress = Literal["none", "axial", "equilibrium"]
 """Quasi-static stress at which links are linearized."""
@@ -99,7 +99,7 @@ MODES = 4
 """Natural frequencies asked for by default, in maps and responses alike."""
 
 MOST_SEED = 2**63 - 1
-"""Of random numbers: files of results keep no greater integers."""
+"""Most seed of random numbers: files of results keep no greater integers."""
 
 MOST_ELEMENTS = 200
 """Elements a link: with so many, a four-bar takes 0.9 GB; with 500 it took more than 17 GB."""

@@ -50,7 +50,7 @@ class Speeds:
         How many turns a minute a bare number is that is large for rad/s, or that the speeds are
         those of the model file; else empty.
     drive : Drive, optional
-        Of the model file, in place of a speed.
+        Drive of the model file, in place of a speed.
     """
 
     numbers: tuple[float, ...]
@@ -116,7 +116,7 @@ DRIVE_OR_GREATEST = UsualSpeeds(1.0, 1.0, 1, or_drive=True)
 DRIVE_OR_REST = UsualSpeeds(1.0, 1.0, 1, or_rest=True, or_drive=True)
 
 
-# Of linkages whose file names no speed: standstill, and the speeds of the first examples.
+# Speeds of linkages whose file names no speed: standstill, and the speeds of the first examples.
 SPEEDS = (0.0, 10.0, 20.0)
 
 

@@ -20,11 +20,13 @@ if sys.platform != "win32":
     import fcntl
 
 
-# Of a path in a message: four lines of a terminal; longer ones are what the system cannot reach.
+# Most shown of a path in a message: four lines of a terminal; longer ones are what the system
+# cannot reach.
 _MOST_SHOWN = 200
 PREFIX = ".flexmech-"
-"""Of the names of folders in which sets of files are made."""
-# Of a folder with more files than these, as a study writes, its own name is printed.
+"""Prefix of the names of folders in which sets of files are made."""
+# Most files named of a folder with more files than these, as a study writes, its own name is
+# printed.
 _MOST_FILES_NAMED = 30
 
 
@@ -188,7 +190,7 @@ def named_files(out: Path, files: Sequence[Path], patterns: Iterable[str]) -> li
     out : Path
     files : sequence of Path
     patterns : iterable of str
-        Of all files that such a run may write.
+        Patterns of all files that such a run may write.
 
     Returns
     -------
@@ -397,7 +399,7 @@ def with_section(path: Path, name: str, text: str) -> str:
     Parameters
     ----------
     path : Path
-        Of the file; it need not be there.
+        Path of the file; it need not be there.
     name : str
         In the section's first line.
     text : str

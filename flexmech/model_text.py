@@ -18,7 +18,7 @@ from flexmech.units import Dimension, parse_quantity
 
 TomlTable = dict[str, Any]
 
-# Of a line that says what an object is: two lines of a terminal.
+# Most characters of a line that says what an object is: two lines of a terminal.
 _MOST_CHARACTERS = 160
 
 # Units that are read more easily than the SI unit, the best first.

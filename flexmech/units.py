@@ -241,7 +241,7 @@ def to_si(value: float, unit: str, dimension: Dimension) -> float:
     ----------
     value : float
     unit : str
-        Of the dimension, without an offset.
+        Unit of the dimension, without an offset.
     dimension : Dimension
 
     Returns
@@ -273,7 +273,7 @@ def split_quantity(text: str, dimension: Dimension) -> tuple[Decimal, str]:
     ----------
     text : str
     dimension : Dimension
-        Of which it should be, for messages.
+        Dimension of which it should be, for messages.
 
     Returns
     -------

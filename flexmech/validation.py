@@ -60,7 +60,7 @@ class Bounds:
         return f"lie between {self.above:g} and {self.below:g}"
 
 
-# Of angles that come from degrees, with their rounding.
+# Full turn of angles that come from degrees, with their rounding.
 _FULL_TURN = 2 * np.pi * (1 + ROUND_OFF)
 
 _NUMBERS = (int, float, np.integer, np.floating)
@@ -196,7 +196,7 @@ def check_choice(value: object, known: Collection[str], name: str) -> None:
     value : object
     known : collection of str
     name : str
-        Of the argument.
+        Name of the argument.
 
     Raises
     ------
@@ -255,7 +255,7 @@ def check_count(
     ----------
     value : object
     name : str
-        Of the argument.
+        Name of the argument.
     least : int
     unit : str
         What the count is taken over, such as ``"a revolution"``.

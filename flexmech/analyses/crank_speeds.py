@@ -20,7 +20,8 @@ from flexmech.units import ANGULAR_SPEED, from_si, to_si
 from flexmech.validation import check_number, checked_array
 
 RAD_S = ANGULAR_SPEED.unit
-# Of speeds of a model file that are told: each of a few, of more the least and the greatest.
+# Most told of speeds of a model file that are told: each of a few, of more the least and the
+# greatest.
 _MOST_TOLD = 5
 # Digits of a speed that is told: machines' speeds are known to fewer.
 _DIGITS = 6
@@ -36,7 +37,7 @@ def rad_per_s(values: ArrayLike, unit: str | None, name: str = "crank_speeds") -
     unit : str or None
         None: in rad/s.
     name : str
-        Of the argument, for messages.
+        Name of the argument, for messages.
 
     Returns
     -------

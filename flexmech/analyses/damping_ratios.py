@@ -109,9 +109,9 @@ class CountedLoss:
         Parameters
         ----------
         engine : Engine
-            Of the same mechanism.
+            Engine of the same mechanism.
         place : int
-            Of the crank angle among the locked ones.
+            Place of the crank angle among the locked ones.
 
         Returns
         -------

@@ -131,7 +131,7 @@ def columns_along(form: str, variable: xr.DataArray, dim: str) -> dict[str, xr.D
     Parameters
     ----------
     form : str
-        Of the columns' names, such as ``"{}_peak_deflection_m"``.
+        Form of the columns' names, such as ``"{}_peak_deflection_m"``.
     variable : DataArray
     dim : str
         With coordinates, which stand in the names.
@@ -253,7 +253,7 @@ def complex_parts(name: str, values: NDArray[Any]) -> dict[str, FloatArray]:
     Parameters
     ----------
     name : str
-        Of the variables, without ``_real`` and ``_imag``.
+        Name of the variables, without ``_real`` and ``_imag``.
     values : ndarray of complex
 
     Returns
@@ -271,7 +271,7 @@ def padded(rows: Sequence[FloatArray], size: int) -> FloatArray:
     rows : sequence of ndarray, shape (..., k)
         k differs from one to the next.
     size : int
-        Of the last axis.
+        Size of the last axis.
 
     Returns
     -------

@@ -68,7 +68,7 @@ def chosen_engines(
         On each link. Left out: as many as a map begins with.
     shaft : {"prescribed", "free"}
     mass : {"distributed", "lumped"}
-        Of the reference engine; beside it Exudyn keeps distributed mass.
+        Mass of the reference engine; beside it Exudyn keeps distributed mass.
 
     Returns
     -------

@@ -11,7 +11,7 @@ MOST_DIGITS = 4
 # Decimal places of a number with its error: more are below the solvers' own tolerance.
 MOST_DECIMALS = 6
 
-# Of the last digit that is told: it is known to half of what the digit before it counts.
+# Units of the last digit that is told: it is known to half of what the digit before it counts.
 _UNITS = 5.0
 # Below it zeros behind the point are hard to count.
 _PLAIN = 1e-3

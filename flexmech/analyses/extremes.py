@@ -14,7 +14,7 @@ from flexmech.errors import InputError
 Values = Callable[[FloatArray], FloatArray]
 """From crank angles (A,) in rad to quantities there, (A, n)."""
 
-# Of the first search: between two of these angles a linkage and its loads have one extreme.
+# Step of the first search: between two of these angles a linkage and its loads have one extreme.
 _STEP = np.radians(1.0)
 # Each zoom lays so many angles into the two steps around an extreme, and goes on with the two
 # around the best of them; so often, two degrees become 1e-7 deg, where a corner of a table of loads
@@ -51,7 +51,7 @@ class Extremes:
     least, least_angle, greatest, greatest_angle : ndarray, shape (n,)
         Angles in rad.
     error : ndarray, shape (n,)
-        Of either value; not a number where nothing was sought between the angles.
+        Error of either value; not a number where nothing was sought between the angles.
     """
 
     least: FloatArray
@@ -116,7 +116,7 @@ def greatest_between(
     crank_angles : ndarray, shape (A,)
         In rad, increasing.
     step : float
-        Of the first search, in rad: between two of its angles a quantity has one peak.
+        Step of the first search, in rad: between two of its angles a quantity has one peak.
     zooms : int
         Each narrows a peak down to an eighth.
 

@@ -61,7 +61,7 @@ def entries(doc: str, heading: str = _HEADING) -> dict[str, tuple[str, str]]:
     ----------
     doc : str
     heading : str
-        Of the section, with its line.
+        Heading of the section, with its line.
 
     Returns
     -------
@@ -210,7 +210,7 @@ class StrengthOptions(EngineOptions):
         springs; or are in one turn of their periodic motion, or in a run of ``revolutions`` turns
         that begins with straight links, which run by samples of their own, and not by crank angles.
     criterion : {"max-stress", "tsai-hill", "tsai-wu", "hashin", "puck", "von-mises"}, optional
-        Of plies with fibres; left out: tsai-wu. Isotropic layers are judged by von-mises.
+        Criterion of plies with fibres; left out: tsai-wu. Isotropic layers are judged by von-mises.
     elements : int
         Elements on each link.
 
@@ -220,9 +220,9 @@ class StrengthOptions(EngineOptions):
     revolutions : float
         Turns of a transient run.
     search_speed : bool
-        Of elastic links: whether to search the crank speed at which parts fail, by some ten more
-        equilibria or some thirty more runs of the first engine. Loads of rigid links need no
-        search.
+        For elastic links: whether to search the crank speed at which parts fail, by
+        some ten more equilibria or some thirty more runs of the first engine. Loads of rigid links
+        need no search.
     speed_unit : str, optional
         Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s, or
         that of the model file for the mechanism's speed.
@@ -257,8 +257,8 @@ class BalanceOptions(Options):
 
         In ``speed_unit``, other than zero.
     weights : sequence of float, optional
-        Of shaking force, shaking moment and driving torque in a compromise. Left out: full force
-        balance of a four-bar, --share of a slider-crank.
+        Weights of shaking force, shaking moment and driving torque in a compromise. Left out: full
+        force balance of a four-bar, --share of a slider-crank.
 
         The sum of their mean squares over the crank angles, each over that of the linkage as
         given, is made least.
@@ -268,7 +268,7 @@ class BalanceOptions(Options):
 
         In m.
     share : float
-        Of the reciprocating mass of a slider-crank that is balanced as if it rotated.
+        Share of the reciprocating mass of a slider-crank that is balanced as if it rotated.
 
         With the crank's pin, where no weights are given.
     crank_angles : array_like, shape (A,)

@@ -134,7 +134,7 @@ class Parameters:
         Parameters
         ----------
         engine : Engine
-            Of the mechanism.
+            Engine of the mechanism.
         values : mapping of str to float or str
             In SI units, or texts.
         mechanism : Mechanism, optional

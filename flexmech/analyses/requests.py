@@ -42,7 +42,7 @@ def in_radians(name: str, values: ArrayLike) -> FloatArray:
     Parameters
     ----------
     name : str
-        Of the argument, for messages.
+        Name of the argument, for messages.
     values : array_like
 
     Returns
@@ -73,7 +73,7 @@ def check_list(
     Parameters
     ----------
     name : str
-        Of the argument, for messages.
+        Name of the argument, for messages.
     values : ndarray
     one : str
         What one of them is.

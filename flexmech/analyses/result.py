@@ -76,7 +76,7 @@ def netcdf_bytes(dataset: xr.Dataset, attributes: Mapping[str, str]) -> bytes:
     ----------
     dataset : xarray.Dataset
     attributes : mapping of str to str
-        Of the file, before those of the dataset.
+        Attributes of the file, before those of the dataset.
 
     Returns
     -------
@@ -201,7 +201,7 @@ def _plain(text: object) -> object:
     return f"'{text}" if isinstance(text, str) and _FORMULA.match(text) else text
 
 
-# Of pictures: twice what a screen shows.
+# Dots per inch of pictures: twice what a screen shows.
 DOTS_PER_INCH = 200
 
 
@@ -332,7 +332,7 @@ class Result(ABC):
         figures : bool
             Whether to write the pictures too.
         formats : sequence of {"png", "pdf", "svg"}
-            Of the pictures: each is written in all of them.
+            Formats of the pictures: each is written in all of them.
         width : {"one-column", "two-column"}
             Width of the pictures on a journal's page: 88 or 180 mm.
         command_line : str

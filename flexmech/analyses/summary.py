@@ -439,8 +439,8 @@ def trust_line(
     error : float
         Greatest relative error of what is printed; not a number where none is estimated.
     difference : EngineDifference, optional
-        Of two engines, where errors explain it least. Left out: where one engine ran alone, or
-        where the error holds the differences that errors explain.
+        Difference of two engines, where errors explain it least. Left out: where one engine ran
+        alone, or where the error holds the differences that errors explain.
 
     Returns
     -------

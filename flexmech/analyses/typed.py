@@ -109,7 +109,7 @@ class Together:
         A function, or a class of :mod:`flexmech.analyses.options`, whose fields that are options
         are handed on by name.
     defaults : mapping
-        Of a command, where they are not those of the class.
+        Defaults of a command, where they are not those of the class.
     """
 
     make: Callable[..., Any]

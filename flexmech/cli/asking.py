@@ -56,7 +56,7 @@ def naming_options(names: dict[str, str]) -> Iterator[None]:
     Parameters
     ----------
     names : dict of str to str
-        Of options by the keywords of a function.
+        Names of options by the keywords of a function.
     """
     try:
         yield

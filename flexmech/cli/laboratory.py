@@ -64,7 +64,7 @@ def hammer(
     bandwidth : HZ
         Greatest frequency. Left out: a quarter above the fourth natural frequency.
     duration : SECONDS
-        Of a record. Left out: until the vibration has decayed to 1e-4.
+        Duration of a record. Left out: until the vibration has decayed to 1e-4.
     pulse : SECONDS
         Duration of the half-sine pulse. Left out: one over the bandwidth.
     noise : RMS_FRACTION

@@ -279,7 +279,7 @@ def pulse_response(
     poles : ndarray of complex, shape (k,)
         In rad/s, closed under conjugation.
     residues : ndarray of complex, shape (k, r)
-        Of the receptances of r displacements; see
+        Residues of the receptances of r displacements; see
         :meth:`flexmech.dynamical_systems.StateModes.residues`.
     pulse : HalfSinePulse
     time : ndarray, shape (N,)

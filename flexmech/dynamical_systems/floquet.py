@@ -90,7 +90,7 @@ class PeriodicSystem(ABC):
         shift : float
             In spacings.
         part : slice
-            Of the numbers k; all by default.
+            Part of the numbers k; all by default.
         """
 
     def traces(self, count: int) -> FloatArray:
@@ -122,7 +122,7 @@ class StatedPeriodicSystem(PeriodicSystem):
         shift : float
             In spacings.
         part : slice
-            Of the numbers k; all by default.
+            Part of the numbers k; all by default.
         """
         time: FloatArray = self.period / count * (np.arange(count, dtype=float)[part] + shift)
         return np.asarray(self.matrix(time))
@@ -135,7 +135,7 @@ class SampledPeriodicSystem(PeriodicSystem):
     Parameters
     ----------
     matrix : FourierSeries
-        Of A, (n, n).
+        Matrix of A, (n, n).
     period : float
         In s.
     """
@@ -162,7 +162,7 @@ class SampledPeriodicSystem(PeriodicSystem):
         shift : float
             In spacings.
         part : slice
-            Of the numbers k; all by default.
+            Part of the numbers k; all by default.
         """
         return self.matrix.samples(count, shift, part)
 
@@ -182,7 +182,7 @@ def magnus_exponents(system: PeriodicSystem, steps: int, part: slice = slice(Non
         N, all of the same length.
 
     part : slice
-        Of the steps; all by default.
+        Part of the steps; all by default.
 
     Returns
     -------

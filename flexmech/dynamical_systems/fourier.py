@@ -96,7 +96,7 @@ class FourierSeries:
         shift : float
             In spacings.
         part : slice
-            Of the numbers k; all by default.
+            Part of the numbers k; all by default.
         """
         flat = self.coefficients.reshape(len(self.coefficients), -1)
         order = np.arange(len(flat))
@@ -121,7 +121,7 @@ def differentiation_matrices(
     samples : int
         Even number N of evenly spaced times of a period.
     angular_frequency : float
-        Of the period, in rad/s.
+        Angular frequency of the period, in rad/s.
 
     Returns
     -------

@@ -51,13 +51,13 @@ class ForcedPeriodicSystem:
     Parameters
     ----------
     system : SampledPeriodicSystem
-        Of A, (n, n).
+        System of A, (n, n).
     force : FourierSeries
-        Of b, (n,).
+        Force of b, (n,).
     reading : FourierSeries
-        Of c, (n,).
+        Reading of c, (n,).
     residual : FourierSeries
-        Of r, (): the static answer of what the states leave out.
+        Residual of r, (): the static answer of what the states leave out.
     """
 
     system: SampledPeriodicSystem
@@ -115,11 +115,11 @@ def harmonic_response(
     ----------
     forced : ForcedPeriodicSystem
     frequency : array_like, shape (F,)
-        Of the input, in Hz.
+        Frequency of the input, in Hz.
     orders : array_like of int, shape (O,)
         ``n``: the output is that at the input's frequency and n times ``1 / T``.
     steps : int
-        Of the propagator a period; they resolve the fastest mode. A constant system is solved
+        Steps of the propagator a period; they resolve the fastest mode. A constant system is solved
         exactly whatever the steps.
 
     Returns
@@ -240,7 +240,7 @@ def balanced_response(
     ----------
     forced : ForcedPeriodicSystem
     frequency : array_like, shape (F,)
-        Of the input, in Hz.
+        Frequency of the input, in Hz.
     orders : array_like of int, shape (O,)
     harmonics : int
 

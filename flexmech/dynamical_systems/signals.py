@@ -31,7 +31,7 @@ def look_ahead(band: float) -> float:
     Parameters
     ----------
     band : float
-        Of :class:`LowPass`, in Hz.
+        Band of :class:`LowPass`, in Hz.
     """
     return float((ATTENUATION - 7.95) / (4 * 2.285 * np.pi * band))
 
@@ -125,9 +125,9 @@ def sample_intervals(time: FloatArray, at: FloatArray) -> tuple[IntArray, FloatA
     Parameters
     ----------
     time : ndarray, shape (m,)
-        Of the steps.
+        Time of the steps.
     at : ndarray, shape (N,)
-        Of the samples.
+        At of the samples.
 
     Returns
     -------

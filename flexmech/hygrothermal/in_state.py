@@ -29,7 +29,7 @@ class SwollenLink:
     Parameters
     ----------
     length : float
-        Of its neutral axis in m, however it is bent.
+        Length of its neutral axis in m, however it is bent.
     section : BeamSection
     elongation : float
         Strain from the dry to this length.
@@ -171,7 +171,7 @@ def linkage_in_state(mechanism: Mechanism, environment: Environment) -> FourBar:
     Parameters
     ----------
     mechanism : Mechanism
-        Of a four-bar, dry.
+        Mechanism of a four-bar, dry.
     environment : HygrothermalState or Exposure
 
     Returns

@@ -91,9 +91,9 @@ class LinkDiffusion:
         Parameters
         ----------
         history : MoistureHistory
-            Of this link.
+            History of this link.
         number : int
-            Of the time.
+            Number of the time.
 
         Returns
         -------

@@ -179,9 +179,9 @@ class Load:
         Parameters
         ----------
         values : ndarray, shape (..., 3)
-            Of :meth:`values`.
+            Values of :meth:`values`.
         angle : ndarray, shape (...)
-            Of the section that the load acts on, in rad.
+            Angle of the section that the load acts on, in rad.
 
         Returns
         -------
@@ -225,7 +225,7 @@ class Spring:
     free_length : float
         Length without force in m.
     damping : float
-        Of the damper beside it in N s/m.
+        Damping of the damper beside it in N s/m.
 
     Raises
     ------
@@ -268,18 +268,19 @@ class JointSpring:
     ----------
     joint : str
     torsional_stiffness : float
-        Of a spring in a pin or pivot in N m/rad.
+        Torsional stiffness of a spring in a pin or pivot in N m/rad.
     torsional_damping : float
-        Of a damper in a pin or pivot in N m s/rad.
+        Torsional damping of a damper in a pin or pivot in N m s/rad.
     free_angle : float
         Angle of the following link less that of the leading one, or of a pivoted link, in rad,
         at which the spring has no torque. It is counted on continuously as the linkage turns, from
         the angles at crank angle zero (:func:`flexmech.linkages.continuous_angles`, which
         ``flexmech kinematics`` writes too).
     radial_stiffness : float, optional
-        Of the bearing in N/m, the same in all directions; without it the pin does not give way.
+        Radial stiffness of the bearing in N/m, the same in all directions; without it the pin does
+        not give way.
     radial_damping : float
-        Of the bearing in N s/m, with ``radial_stiffness``.
+        Radial damping of the bearing in N s/m, with ``radial_stiffness``.
 
     Raises
     ------
@@ -460,7 +461,7 @@ def forces_of_loads(
     motion : RigidMotion
     loads : sequence of Load
     time : array_like, shape (...)
-        Of each position in s, for loads over time.
+        Time of each position in s, for loads over time.
     moved : callable, optional
         See :data:`Moved`.
 
@@ -497,9 +498,9 @@ def applied_forces(
     joint_springs : sequence of JointSpring
         In pins and pivots; forces of radial springs are joint forces and not among these.
     angles : ndarray, shape (..., n_links)
-        Of the links in rad, counted on continuously as the linkage turns.
+        Angles of the links in rad, counted on continuously as the linkage turns.
     time : array_like, shape (...)
-        Of each position in s, for loads over time.
+        Time of each position in s, for loads over time.
     moved : callable, optional
         See :data:`Moved`; undisplaced links by default.
 

@@ -116,7 +116,7 @@ class MatrixWithRates:
         Parameters
         ----------
         right : MatrixWithRates
-            Of shape (B, n, c); ``self`` is of shape (B, n, n).
+            Right of shape (B, n, c); ``self`` is of shape (B, n, n).
 
         Returns
         -------
@@ -288,7 +288,7 @@ class BodyMotion:
         starts : ndarray of complex, shape (m,)
             Start of each link in the axes of its body.
         angle : ndarray, shape (B, m)
-            Of the links in rad.
+            Angle of the links in rad.
         crank : tuple of ndarray, shape (...)
             Angle, speed and acceleration of the crank in each of the B positions.
         """
@@ -324,7 +324,7 @@ class BodyPoint:
     ----------
     body : int
     place : complex
-        Of one that moves it is given with the positions.
+        Place of one that moves it is given with the positions.
     slide : int, optional
         Number of its place among those.
     along : complex

@@ -18,13 +18,14 @@ from flexmech.errors import LockingError
 from flexmech.linkages.motion import LOCKING_SINE
 
 TURN = 2 * np.pi
-# Of a turn: every degree. Clearances are smooth functions with a few extremes in a turn.
+# Samples of a turn: every degree. Clearances are smooth functions with a few extremes in a turn.
 _SAMPLES = 360
-# Of a step, by which samples are beside round crank angles, at which most change points are.
+# Aside of a step, by which samples are beside round crank angles, at which most change points are.
 _ASIDE = 0.3819660113
 # Least clearance at the samples beside a change point, half a degree away or less: some 1e-4.
 _NEAR_ZERO = 1e-2
-# Of Newton's method, which needs four: clearances are parabolas to a percent within a degree.
+# Iterations of Newton's method, which needs four: clearances are parabolas to a percent within a
+# degree.
 _ITERATIONS = 8
 # In rad. Four places so far from the least clearance give it to some 1e-14, beside rounding.
 _BESIDE, _PARABOLA = 2.5e-4, 1e-13
@@ -175,9 +176,9 @@ class Clearance:
         longer, shorter : ndarray, shape (A,), or float
             In m: they are equal where the loci touch.
         length : float
-            Of both where they touch, in m.
+            Length of both where they touch, in m.
         size : float
-            Of the linkage, in m.
+            Size of the linkage, in m.
         """
         difference = (longer - shorter) * (longer + shorter) / size**2
         return cls(np.asarray(difference), length / size)
@@ -202,7 +203,7 @@ def change_points_of(
     Parameters
     ----------
     clearances : callable
-        Of crank angles (B,) in rad.
+        Clearances of crank angles (B,) in rad.
     reference : float
         Crank angle in rad of the drawing.
 

@@ -653,7 +653,7 @@ class DoublePoint:
         1 - \|cos kappa\| over the square of crank / (E-A) or rocker / (E-B) where that is less
         than one: positive for a crunode, zero for a cusp, negative for an acnode.
     attitudes : tuple of Attitude
-        Of the two passages, that with the smaller crank angle first; none of an acnode.
+        Attitudes of the two passages, that with the smaller crank angle first; none of an acnode.
     """
 
     place: float

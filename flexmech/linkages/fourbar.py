@@ -50,7 +50,7 @@ class FourBar:
         change point the motion goes on smoothly, to the other side of that line; if one is at
         crank angle zero, the side is that of crank angles above it.
     sprung : tuple of str
-        Of the joints A, B and O4, those with springs in place of a rigid bearing. A
+        Sprung of the joints A, B and O4, those with springs in place of a rigid bearing. A
         mechanism names those with a radial stiffness by itself.
 
     Raises
@@ -100,7 +100,7 @@ class FourBar:
         Parameters
         ----------
         joints : collection of str
-            Of A, B and O4.
+            Joints of A, B and O4.
 
         Raises
         ------

@@ -69,14 +69,14 @@ def shaking_force(
     joint_force : ndarray, shape (..., n_joints, 2)
         On the grounded or following link of each joint, in order, ground axes, N.
     drive_torque : ndarray, shape (...)
-        Of the drive on shaft and crank about the shaft's axis, N m.
+        Drive torque of the drive on shaft and crank about the shaft's axis, N m.
     point : tuple of float, optional
         About which the moment is taken, ground axes, m; the shaft's axis if left out.
     springs : sequence of Spring
     joint_springs : sequence of JointSpring
     angles : ndarray, shape (..., n_links), optional
-        Of the links in rad, counted on continuously as the linkage turns, for springs in joints;
-        those of ``motion`` if left out.
+        Angles of the links in rad, counted on continuously as the linkage turns, for springs in
+        joints; those of ``motion`` if left out.
     moved : callable, optional
         See :data:`flexmech.linkages.applied_forces.Moved`; undisplaced links by default.
 
@@ -292,7 +292,7 @@ class OneCouplerLinkage:
         masses : sequence of LinkMass
             One a link, in order.
         share : float
-            Of a slider-crank: part of the reciprocating mass that the crank's counterweight
+            Share of a slider-crank: part of the reciprocating mass that the crank's counterweight
             balances as if it rotated with the pin.
 
         Returns

@@ -218,7 +218,7 @@ def connection_vectors(topology: Topology, matrix: FloatArray) -> FloatArray:
     ----------
     topology : Topology
     matrix : ndarray, shape (..., 3 * n_links, n_unknowns)
-        Of :func:`connection_matrix`.
+        Matrix of :func:`connection_matrix`.
 
     Returns
     -------
@@ -245,7 +245,7 @@ def solve_connections(
     load : ndarray, shape (..., 3 * n_links)
         Forces and moments about the links' starts in the rigid motion, inertia among them.
     matrix : ndarray, shape (..., 3 * n_links, n_unknowns), optional
-        Of :func:`connection_matrix`; at the places of the rigid motion by default.
+        Matrix of :func:`connection_matrix`; at the places of the rigid motion by default.
 
     Returns
     -------
@@ -536,7 +536,7 @@ def inverse_dynamics(
     springs : sequence of Spring
     joint_springs : sequence of JointSpring
     time : array_like, shape (...)
-        Of each position in s, for loads over time.
+        Time of each position in s, for loads over time.
     continuous_angles : ndarray, shape (..., n_links), optional
         Angles of the links counted on as the linkage turns, for springs in joints; those of
         ``motion`` if left out. :func:`continuous_angles` gives them.

@@ -166,10 +166,10 @@ def refuse_passing(linkage: Linkage, crank_angles: FloatArray) -> None:
         )
 
 
-# Of a turn, at which angles are followed: half a degree. No link may turn by half a turn from one
-# to the next, as it would in a linkage that passes a dead point within a quarter of a degree.
+# Steps of a turn, at which angles are followed: half a degree. No link may turn by half a turn from
+# one to the next, as it would in a linkage that passes a dead point within a quarter of a degree.
 STEPS = 720
-# Of a step: how far beside a change point a place stands for it.
+# Beside of a step: how far beside a change point a place stands for it.
 _BESIDE = 1 / 16
 
 
@@ -185,7 +185,7 @@ def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
     ----------
     linkage : Linkage
     motion : RigidMotion
-        Of the linkage.
+        Motion of the linkage.
 
     Returns
     -------

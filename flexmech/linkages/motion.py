@@ -213,7 +213,7 @@ def carried_motion(
     Parameters
     ----------
     centre : tuple of float
-        Of the frame as it is drawn, in m.
+        Centre of the frame as it is drawn, in m.
     motion : RigidMotion
         In the axes of the frame, batch of shape (B,).
     place, rate, change : ndarray, shape (B, 3)

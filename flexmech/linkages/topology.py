@@ -300,7 +300,7 @@ class Topology:
         ----------
         joint : str
         angles : ndarray, shape (..., n_links)
-            Of the links in rad, or their rates in rad/s.
+            Angles of the links in rad, or their rates in rad/s.
 
         Returns
         -------

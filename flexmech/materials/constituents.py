@@ -57,7 +57,7 @@ class Constituent:
     source : str
         Where the numbers are from.
     uncertainty : mapping of str to float
-        Of properties whose source prints one, by their names, in the same units.
+        Uncertainty of properties whose source prints one, by their names, in the same units.
 
     Raises
     ------
@@ -147,7 +147,7 @@ class Fibre(Constituent):
     source : str
         Where the numbers are from.
     uncertainty : mapping of str to float
-        Of properties whose source prints one, by their names, in the same units.
+        Uncertainty of properties whose source prints one, by their names, in the same units.
     transverse_modulus : float, optional
         Young's modulus E2 in Pa across the fibre; that along it if left out.
     transverse_shear_modulus : float, optional
@@ -200,16 +200,16 @@ class Matrix(Constituent):
     source : str
         Where the numbers are from.
     uncertainty : mapping of str to float
-        Of properties whose source prints one, by their names, in the same units.
+        Uncertainty of properties whose source prints one, by their names, in the same units.
     wet_thermal_expansion : float, optional
-        Of the saturated resin in 1/K.
+        Wet thermal expansion of the saturated resin in 1/K.
     equilibrium : MoistureEquilibrium, optional
     diffusivity : Diffusivity, optional
-        Of water in the resin.
+        Diffusivity of water in the resin.
     glass_transition : float, optional
-        Of the dry resin in K.
+        Glass transition of the dry resin in K.
     tensile_strength : float, optional
-        Of the dry resin at the reference temperature, in Pa.
+        Tensile strength of the dry resin at the reference temperature, in Pa.
 
     Raises
     ------

@@ -19,7 +19,7 @@ from flexmech.units import STRESS
 from flexmech.validation import POSITIVE, check_number, check_pair
 
 Point = tuple[float, float]
-"""Of an S-N line: cycles to failure, and their stress amplitude in Pa."""
+"""Point of an S-N line: cycles to failure, and their stress amplitude in Pa."""
 _OF = "of fatigue"
 
 
@@ -40,8 +40,8 @@ class FatigueStrength:
     endurance_cycles : float, optional
         For how many cycles ``endurance_limit`` was found.
     basquin_exponent : float, optional
-        Of the S-N line through the endurance limit: amplitude over cycles to this power, such as
-        -0.085.
+        Basquin exponent of the S-N line through the endurance limit: amplitude over cycles to this
+        power, such as -0.085.
     sn_points : tuple of tuple of float, optional
         In its place, two points of an S-N line: cycles to failure, and amplitude in Pa.
     source : str

@@ -45,9 +45,9 @@ class Hygrothermal:
         Moisture that the resin takes up in the end. Without it the resin takes what it is
         given.
     diffusivity : Diffusivity, optional
-        Of water in the resin.
+        Diffusivity of water in the resin.
     glass_transition : float, optional
-        Of the dry resin in K; without it heat and water do not soften it.
+        Glass transition of the dry resin in K; without it heat and water do not soften it.
 
     Raises
     ------
@@ -249,9 +249,9 @@ class ResinContent:
     ----------
     hygrothermal : Hygrothermal
     mass_fraction : float
-        Of the dry ply; 1 of a neat resin.
+        Mass fraction of the dry ply; 1 of a neat resin.
     volume_fraction : float
-        Of the ply.
+        Volume fraction of the ply.
 
     Raises
     ------

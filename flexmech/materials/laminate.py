@@ -172,7 +172,8 @@ def stacking_text(layers: Sequence[tuple[str, float]], digits: int = 6) -> str:
     return f"[{'/'.join(runs)}]{'s' * mirrored}"
 
 
-# Of an angle in degrees that is read back to the same radians: more would show their rounding.
+# Digits of an angle in degrees that is read back to the same radians: more would show their
+# rounding.
 DIGITS = 12
 
 
@@ -186,7 +187,7 @@ class Layer:
     thickness : float
         In m.
     angle : float
-        Of the fibres against the link's axis in rad, positive from x towards z.
+        Angle of the fibres against the link's axis in rad, positive from x towards z.
 
     Raises
     ------
@@ -303,7 +304,7 @@ class Laminate:
         ----------
         plies : sequence of Ply
         thickness : float
-            Of each layer in m.
+            Thickness of each layer in m.
         angles : sequence of float
             In rad, one a ply.
 
@@ -328,7 +329,7 @@ class Laminate:
 
     @property
     def thickness(self) -> float:
-        """Of all layers together in m."""
+        """Thickness of all layers together in m."""
         return float(sum(layer.thickness for layer in self.layers))
 
     @property
@@ -431,7 +432,8 @@ class Laminate:
         return np.asarray(np.diff(self.boundaries ** (order + 1)) / (order + 1))
 
 
-# Of Poisson's ratio across the fibres where G23 says more: a ply that is not alike in 2 and 3.
+# Greatest ratio of Poisson's ratio across the fibres where G23 says more: a ply that is not alike
+# in 2 and 3.
 GREATEST_RATIO = 0.5
 # Distance from incompressible, in the range that a ratio may have: at its ends the compliance has
 # no inverse.

@@ -271,8 +271,8 @@ def _expansion(
     return along, across
 
 
-# Of an uncertainty: central differences are off by its square, 1e-6 of the derivative, and rounding
-# leaves 1e-12 of a number that an uncertainty changes by a tenth.
+# Step of an uncertainty: central differences are off by its square, 1e-6 of the derivative, and
+# rounding leaves 1e-12 of a number that an uncertainty changes by a tenth.
 _STEP = 1e-3
 
 
@@ -290,7 +290,7 @@ def propagated_uncertainty(
     Parameters
     ----------
     function : callable
-        Of the constituents, in their order; gives the modulus of a ply, a stiffness of a
+        Function of the constituents, in their order; gives the modulus of a ply, a stiffness of a
         laminate or any other number that follows from them.
     constituents : sequence of Fibre or Matrix
         Each once, so that it varies everywhere together.
@@ -323,7 +323,7 @@ def uncertainty_parts(
     Parameters
     ----------
     function : callable
-        Of the constituents, in their order; gives one number or an array of them.
+        Function of the constituents, in their order; gives one number or an array of them.
     constituents : sequence of Fibre or Matrix
         Each once, so that it varies everywhere together.
 

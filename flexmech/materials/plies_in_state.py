@@ -56,7 +56,7 @@ def ply_in_state(ply: Ply, temperature: float, moisture: float, reference: float
     temperature : float
         In K.
     moisture : float
-        Of its resin.
+        Moisture of its resin.
     reference : float
         Temperature in K at which the dry moduli are stated.
 

@@ -94,11 +94,11 @@ class Ply:
         What the ply was computed from, or the resin in it where only that is known: by it the
         ply takes up water and softens.
     yield_strength : float, optional
-        Of an isotropic ply, in Pa.
+        Yield strength of an isotropic ply, in Pa.
     strength : PlyStrength, optional
-        Of a ply with fibres.
+        Strength of a ply with fibres.
     fatigue : FatigueStrength, optional
-        Of an isotropic ply.
+        Fatigue of an isotropic ply.
 
     Raises
     ------

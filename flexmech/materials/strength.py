@@ -85,7 +85,7 @@ class PlyStrength:
         Parameters
         ----------
         name : str
-            Of the field.
+            Name of the field.
         criterion : str
             Which needs it.
 

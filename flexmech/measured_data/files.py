@@ -26,7 +26,8 @@ _NUMBER = re.compile(NUMBER)
 _EMPTY = frozenset({"", "nan", "na", "n/a", "null", "none"})
 # Real and imaginary part of one complex quantity, before its unit.
 _PARTS = ("_real", "_imag")
-# Of a record: a million lines of a few columns. In fields a line takes ten times its bytes.
+# Most bytes of a record: a million lines of a few columns. In fields a line takes ten times its
+# bytes.
 MOST_BYTES = 50_000_000
 REMEDY = "name the unit of every column, as in 'time [s], strain (um/m)' or 'time_s'"
 

@@ -26,7 +26,7 @@ from flexmech.measured_data.record import GREATEST, MeasuredQuantity, MeasuredRe
 from flexmech.measured_data.uff_datasets import contents_of, datasets_of
 from flexmech.measured_data.uff_units import UffFile, UffFunction
 
-# Of a universal file: some hundred functions of ten thousand lines, as text.
+# Most bytes of a universal file: some hundred functions of ten thousand lines, as text.
 MOST_BYTES = 200_000_000
 EXTRA = 'a universal file needs pyuff, which is not installed: pip install "flexmech[modal-test]"'
 

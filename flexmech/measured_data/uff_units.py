@@ -42,7 +42,7 @@ class UffFrame:
     origin : tuple of float
         x and y in m.
     angle : float
-        Of its x axis against the global one in rad.
+        Angle of its x axis against the global one in rad.
     """
 
     label: int
@@ -117,7 +117,7 @@ class UffFunction:
         SI unit, empty for a ratio. None where the file tells none. What is written follows from
         the quantities.
     problem : str
-        Of a function that was read: why it has no unit.
+        Problem of a function that was read: why it has no unit.
     """
 
     kind: UffFunctionKind

@@ -102,7 +102,7 @@ def balanced_loads(
     Parameters
     ----------
     connectors : Connectors
-        Of the links of ``frames``.
+        Connectors of the links of ``frames``.
     frames : LinkFrames
     motion : RigidMotion
         Batch of shape (B,).
@@ -267,7 +267,7 @@ def straight_forces(
     ----------
     mechanism : Mechanism
     frames : LinkFrames
-        Of its unreduced links.
+        Frames of its unreduced links.
     motion : RigidMotion
         Batch of shape (B,).
     loads : list of ndarray, shape (B, n_link)
@@ -326,11 +326,11 @@ def with_rigid_links(
     Parameters
     ----------
     frames : LinkFrames
-        Of the unreduced links.
+        Frames of the unreduced links.
     tangent : mapping of int to ndarray, shape (n, n) or (B, n, n)
-        Of each flexible link.
+        Tangent of each flexible link.
     found : RigidGeometricStiffness, optional
-        Of rigid links, hubs and sliders.
+        Stiffness of rigid links, hubs and sliders.
     loads : list of ndarray, shape (B, n_link), optional
 
     Returns

@@ -76,7 +76,7 @@ class DisplacedLinks:
     links : tuple of LinkModel
         Unreduced.
     motion : RigidMotion
-        Of the rigid linkage, for a batch of shape (B,).
+        Motion of the rigid linkage, for a batch of shape (B,).
     displacement : list of ndarray, shape (B, n_link)
     acting : tuple of PointForce
         Loads and springs at these displacements.
@@ -146,7 +146,7 @@ class DisplacedLinks:
         ----------
         engine : Engine
         motion : RigidMotion
-            Of the rigid linkage at B samples, with what a free shaft has turned.
+            Motion of the rigid linkage at B samples, with what a free shaft has turned.
         time : ndarray, shape (B,)
             In s.
         displacement, rate, acceleration : list of ndarray, shape (B, n_link)
@@ -330,7 +330,7 @@ class DisplacedLinks:
 
     @cached_property
     def _joint_forces(self) -> list[list[ForcesAlong]]:
-        """Of each link."""
+        """Joint forces of each link."""
         topology, motion = self.mechanism.linkage.topology, self.motion
         forces: list[list[ForcesAlong]] = [[] for _ in topology.links]
         for number, one in enumerate(connections(topology)):

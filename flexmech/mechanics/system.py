@@ -47,8 +47,8 @@ class LinearSystem:
     circulates : bool
         Whether there are circulatory forces: follower forces, or dampers of springs.
     carried : CarriedLinkage, optional
-        Of a linkage whose frame is on springs: the last three coordinates are those of the frame,
-        and the links move in its axes.
+        Carried of a linkage whose frame is on springs: the last three coordinates are those of the
+        frame, and the links move in its axes.
     rigid_modes : int
         Natural modes that deform nothing: 1 where the shaft turns freely. They are no
         vibration, and modes are counted without them.
@@ -117,7 +117,7 @@ class LinearSystem:
         ----------
         vectors : ndarray, shape (B, n, m)
         frames : LinkFrames
-            Of the unreduced links.
+            Frames of the unreduced links.
 
         Returns
         -------
@@ -278,7 +278,7 @@ def assembled_system(
     Parameters
     ----------
     frames : LinkFrames
-        Of the unreduced links.
+        Frames of the unreduced links.
     reduction : ComponentModes or None
         None: all coordinates.
     motion : RigidMotion

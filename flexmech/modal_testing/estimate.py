@@ -102,7 +102,7 @@ class ExponentialWindow:
         Parameters
         ----------
         duration : float
-            Of the record in s.
+            Duration of the record in s.
         value : float
             Between 0 and 1; laboratories take 0.01 to 0.05.
 
@@ -227,7 +227,7 @@ def estimate_frf(
     Parameters
     ----------
     force : ndarray, shape (A, N)
-        Of A impacts in N; one record may be of shape (N,).
+        Force of A impacts in N; one record may be of shape (N,).
     response : ndarray, shape (A, N)
         Displacement, velocity or acceleration, in SI units.
     sampling_rate : float

@@ -15,8 +15,8 @@ from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
 from flexmech.modal_testing.lscf import StabilisationChart
 
-# Of the series of what modes above the band give, beyond its constant. Without them a mode near the
-# band's end is drawn towards those outside.
+# Upper terms of the series of what modes above the band give, beyond its constant. Without them a
+# mode near the band's end is drawn towards those outside.
 UPPER_TERMS = 2
 
 
@@ -51,7 +51,8 @@ class IdentifiedModes:
     residue : ndarray of complex, shape (points, k)
         The A in m/(N s).
     further_pole : ndarray of complex, shape (l,)
-        Of modes in the band that were found and not asked for: the receptances need them.
+        Further pole of modes in the band that were found and not asked for: the receptances need
+        them.
     further_residue : ndarray of complex, shape (points, l)
     lower_residual : ndarray of complex, shape (points,)
         The L in m/(N s^2): inertia of modes below the band.
@@ -66,7 +67,7 @@ class IdentifiedModes:
     misfit : float
         Root mean square of what the model leaves of the receptances in the band, over theirs.
     pole_covariance : ndarray, shape (k, 2, 2)
-        Of the real and imaginary part of each pole by noise, in 1/s^2.
+        Pole covariance of the real and imaginary part of each pole by noise, in 1/s^2.
     chart : StabilisationChart, optional
         Poles of all orders, of ``"lscf"`` alone.
     """

@@ -166,7 +166,7 @@ def stabilisation_chart(poles: Sequence[ComplexArray], added_damping: float) -> 
     Parameters
     ----------
     poles : sequence of ndarray of complex
-        Of the orders 1, 2, ... in 1/s, as identified: with what a window added, with positive
+        Poles of the orders 1, 2, ... in 1/s, as identified: with what a window added, with positive
         imaginary part, and in the band.
     added_damping : float
         Decay rate of the exponential window in 1/s.
@@ -215,7 +215,7 @@ def _chosen(
 
 
 def _column(order: IntArray, frequency: FloatArray, of: int) -> IntArray:
-    """Of each order the pole nearest to one pole, where one is near; indices."""
+    """Column of each order the pole nearest to one pole, where one is near; indices."""
     distance = _relative(frequency, frequency[of])
     near = np.flatnonzero(distance < FREQUENCY_TOLERANCE)
     near = near[np.argsort(distance[near], kind="stable")]

@@ -24,9 +24,10 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 
-# Of what a fit leaves, at least so much is noise of the response, whatever that of the force is.
+# Least part of what a fit leaves, at least so much is noise of the response, whatever that of the
+# force is.
 _LEAST_PART = 0.1
-# Of a receptance, what rounding leaves of it.
+# Round off of a receptance, what rounding leaves of it.
 _ROUND_OFF = np.finfo(float).eps
 
 
@@ -153,7 +154,7 @@ class FrfNoise:
         Parameters
         ----------
         left : ndarray, shape (2 F,)
-            Of the receptance, real parts and then imaginary ones.
+            Left of the receptance, real parts and then imaginary ones.
         basis : ndarray, shape (2 F, m)
             Orthonormal columns that were fitted.
         receptance : ndarray of complex, shape (F,)

@@ -273,7 +273,7 @@ class LinkAssembly:
         Parameters
         ----------
         origin : ndarray, shape (m, n_links, 2)
-            Of the starts of the links in m.
+            Origin of the starts of the links in m.
         angle : ndarray, shape (m, n_links)
             In rad.
         """
@@ -385,7 +385,7 @@ class LinkAssembly:
         Parameters
         ----------
         name : str
-            Of what stands on it.
+            Name of what stands on it.
         place : sequence of float
             X and y in ground axes in m; of a frame as it is drawn.
 

@@ -132,7 +132,7 @@ class BeamKind(ABC):
         items : SystemItems
         name : str
         nodes : list of ItemNumber
-            Of its two nodes.
+            Nodes of its two nodes.
         length : float
             In m.
         section : BeamSection
@@ -188,7 +188,7 @@ class BeamKind(ABC):
             Coordinates of a chain of nodes, less those of the straight link along x, and their
             time derivatives, in axes that may turn with the link.
         length : ndarray, shape (k - 1,)
-            Of the undeformed elements in m.
+            Length of the undeformed elements in m.
         section : BeamSection
 
         Returns
@@ -206,7 +206,7 @@ class BeamKind(ABC):
         displacement : ndarray, shape (m, k * per_node)
             Coordinates of a chain of nodes, less those of the straight link.
         length : ndarray, shape (k - 1,)
-            Of the undeformed elements in m.
+            Length of the undeformed elements in m.
         section : BeamSection
 
         Returns
@@ -372,7 +372,7 @@ def element_shear(section: BeamSection, length: FloatArray) -> tuple[FloatArray,
     ----------
     section : BeamSection
     length : ndarray, shape (e,)
-        Of the elements in m.
+        Length of the elements in m.
 
     Returns
     -------
@@ -463,7 +463,7 @@ def segment_inertia(section: BeamSection, positions: FloatArray) -> FloatArray:
     ----------
     section : BeamSection
     positions : ndarray, shape (e + 1,)
-        Of the nodes in m.
+        Positions of the nodes in m.
     """
     return section.mass_per_length * _halves(np.diff(positions) ** 3 / 12)
 
@@ -486,7 +486,7 @@ def add_node_bodies(
         Name of the link.
     nodes : list of ItemNumber
     positions : ndarray, shape (e + 1,)
-        Of the nodes along the link in m.
+        Positions of the nodes along the link in m.
     section : BeamSection
     point_masses : ndarray, shape (e + 1,)
         On the pins' axis in kg; they interrupt the link.

@@ -43,7 +43,7 @@ class SpringItem:
     spring : Spring
     number : ItemNumber
     markers : list of ItemNumber
-        Of its first and its second end.
+        Markers of its first and its second end.
     """
 
     spring: Spring
@@ -81,7 +81,7 @@ class ConnectorItems:
     start : RigidMotion
         In any one position, of shape (); of a system that runs at time zero.
     shaft : Shaft, optional
-        Of a system that runs: loads over time then are among them.
+        Shaft of a system that runs: loads over time then are among them.
 
     Attributes
     ----------
@@ -231,7 +231,7 @@ class StaticConnectors(ConnectorItems):
         motion : RigidMotion
             Batch of shape (B,).
         number : int
-            Of the position.
+            Number of the position.
         pose : ndarray, shape (size,)
             Coordinates of the undeformed links in the model's axes.
         """

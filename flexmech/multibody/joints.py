@@ -45,8 +45,8 @@ class TieJoint:
     position : ItemNumber
         Constraint on the places; its multipliers are minus the force on the follower.
     rotation : ItemNumber, optional
-        Of a weld that is a condition on angles of two nodes: the constraint on the second less the
-        first.
+        Rotation of a weld that is a condition on angles of two nodes: the constraint on the second
+        less the first.
     """
 
     tie: Pin | Weld
@@ -110,7 +110,7 @@ def hold_axis(
     ----------
     assembly : LinkAssembly
     name : str
-        Of what holds it.
+        Name of what holds it.
     body : ItemNumber
     end : LinkEnd
     angle : float
@@ -131,7 +131,7 @@ def add_ties(
     ----------
     assembly : LinkAssembly
     angle : ndarray, shape (n_links,)
-        Of the links in any one position, in rad.
+        Angle of the links in any one position, in rad.
     sprung_alone : bool
         Whether springs alone hold sprung pins; they are rigid otherwise.
 
@@ -297,7 +297,7 @@ def closed_joints(
     assembly : LinkAssembly
     shaft : Shaft
     gaps : list of PlaceGap, AngleGap or LineGap
-        Of all joints.
+        Gaps of all joints.
     frame : FrameBody or None
         On springs, which carries the linkage.
 

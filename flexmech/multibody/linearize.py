@@ -87,7 +87,7 @@ def static_equilibrium(
     loads : list of ndarray, shape (B, n_link)
         Forces on each link in its frame.
     dead : DeadMoments
-        Of bodies and rigid links.
+        Dead of bodies and rigid links.
 
     Returns
     -------
@@ -324,7 +324,7 @@ def unit_tension_stiffness(model: StaticModel) -> dict[int, FloatArray]:
     Parameters
     ----------
     model : StaticModel
-        Of ANCF cables.
+        Model of ANCF cables.
 
     Returns
     -------
@@ -394,7 +394,7 @@ class _Tangents:
         Parameters
         ----------
         number : int
-            Of the state.
+            Number of the state.
         settings : exudyn.SimulationSettings
         state : ndarray, shape (size,)
         outer : ndarray, shape (size,), optional

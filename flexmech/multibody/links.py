@@ -209,7 +209,7 @@ class NodeMap(ABC):
         ----------
         axis : ndarray, shape (..., n)
         stiffness : ndarray, shape (..., n, n)
-            Of the nodes.
+            Stiffness of the nodes.
         force : ndarray, shape (..., n)
             Internal forces on the nodes, less outer ones that keep their direction.
 
@@ -353,7 +353,7 @@ class LinkNodes:
     Parameters
     ----------
     mapped : NodeMap
-        Of all links.
+        Mapped of all links.
     size : int
         Number of coordinates of all links.
     bodies : sequence of int
@@ -394,7 +394,7 @@ class LinkPart:
     kind : BeamKind
         Whose coordinates its nodes have.
     positions : ndarray, shape (k,)
-        Of the nodes along the link in m; a rigid link has one at its start.
+        Positions of the nodes along the link in m; a rigid link has one at its start.
     nodes : list of ItemNumber
     bodies : list of ItemNumber
         At the nodes, with all mass; of cables, whose elements carry it, there are none.
@@ -468,7 +468,7 @@ class LinkPart:
         Parameters
         ----------
         origin : ndarray, shape (m, 2)
-            Of its start in m.
+            Origin of its start in m.
         angle : ndarray, shape (m,)
             In rad.
 
@@ -550,7 +550,7 @@ class AttachedPart:
     ----------
     link : int
     node : int
-        Of the link, at which it is fixed.
+        Node of the link, at which it is fixed.
     place, angle : int
         First coordinate of that node, and its angle, among those of all links.
     body : SystemBody
@@ -630,7 +630,7 @@ def add_links(
     items : SystemItems
     mechanism : Mechanism
     kind : BeamKind
-        Of the elastic links.
+        Kind of the elastic links.
     elements : int
         Elements a link.
 

@@ -37,7 +37,8 @@ from flexmech.plots.style import Look, line_handle, publication_style, series_st
 MOST_FRAMES, FRAMES_A_SECOND = 120, 20
 # Wide enough to read, small enough for a web page: about 640 pixels.
 DOTS_AN_INCH = 90
-# Of the line with time and crank angle, in inches: letters of 9 points and room around them.
+# Title height of the line with time and crank angle, in inches: letters of 9 points and room around
+# them.
 TITLE_HEIGHT = 0.35
 # Marks of joints over those of a figure: links are drawn nearly twice as wide.
 JOINT_SIZE = 1.4
@@ -49,9 +50,11 @@ FIGURE_SPACE = "\N{FIGURE SPACE}"
 
 Pictures = Iterator[NDArray[np.uint8]]
 
-# Of a GIF's palette, which may have 256: a few hues with their blends into white take no more.
+# Colours of a GIF's palette, which may have 256: a few hues with their blends into white take no
+# more.
 COLOURS = 128
-# Of 255: entries of the palette that are lighter throughout are paper; the lightest grey is darker.
+# Nearly white of 255: entries of the palette that are lighter throughout are paper; the lightest
+# grey is darker.
 NEARLY_WHITE = 240
 
 
@@ -92,7 +95,7 @@ class EnlargedMotion:
         Parameters
         ----------
         dataset : xarray.Dataset
-            Of a response.
+            Dataset of a response.
         enlargement : float or None
             Factor on the displacements; a round one is chosen where it is None.
 
@@ -155,7 +158,7 @@ def _true_path(turn: xr.Dataset, places: FloatArray, links: list[str]) -> tuple[
     ----------
     turn : Dataset
     places : ndarray, shape (n, link, station, 2)
-        Of the deflected links in m.
+        Places of the deflected links in m.
     links : list of str
 
     Returns
@@ -288,7 +291,7 @@ def write_animation(
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result; m, s and rad.
+        Dataset of a ``Response`` result; m, s and rad.
     path : str or Path
         File to write, ending in ``.gif`` or ``.mp4``; an existing file is overwritten.
     engine : str, optional

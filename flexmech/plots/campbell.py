@@ -57,7 +57,7 @@ def plot_campbell(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``CampbellDiagram`` result; frequencies in Hz, speeds in rad/s.
+        Dataset of a ``CampbellDiagram`` result; frequencies in Hz, speeds in rad/s.
     ax : Axes, optional
         The user's. Left out: a new figure is made.
 
@@ -111,7 +111,7 @@ def critical_stretches(dataset: xr.Dataset) -> list[tuple[int, FloatArray, Float
     Parameters
     ----------
     dataset : Dataset
-        Of a ``CampbellDiagram`` result.
+        Dataset of a ``CampbellDiagram`` result.
 
     Returns
     -------

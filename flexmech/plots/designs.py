@@ -37,10 +37,10 @@ from flexmech.plots.style import (
 )
 from flexmech.units import from_si
 
-# Of a front and of a panel of contours in inches.
+# Large panel of a front and of a panel of contours in inches.
 LARGE_PANEL = 3.0
 BOUND: Look = {"color": "black", "lw": 1.0, "ls": "--"}
-"""Of limits."""
+"""Bound of limits."""
 
 
 def computed(dataset: xr.Dataset) -> xr.Dataset:
@@ -49,7 +49,7 @@ def computed(dataset: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     dataset : Dataset
-        Of a study.
+        Dataset of a study.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def plot_designs(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``DesignSweep``.
+        Dataset of a ``DesignSweep``.
     ax : Axes or sequence of Axes, optional
         The user's, one a panel. Left out: a new figure is made.
 
@@ -339,7 +339,7 @@ def plot_pareto(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Parameters
     ----------
     dataset : Dataset
-        Of an ``Optimum``.
+        Dataset of an ``Optimum``.
     ax : Axes or sequence of Axes, optional
         The user's, one for each goal but the first. Left out: a new figure is made.
 
@@ -419,7 +419,7 @@ def plot_search(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of an ``Optimum``.
+        Dataset of an ``Optimum``.
     ax : Axes or sequence of Axes, optional
         The user's, one for each goal. Left out: a new figure is made.
 
@@ -454,7 +454,7 @@ def plot_sensitivity(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     Parameters
     ----------
     dataset : Dataset
-        Of an ``Uncertainty``.
+        Dataset of an ``Uncertainty``.
     ax : Axes or sequence of Axes, optional
         The user's, one for each output. Left out: a new figure is made.
 
@@ -507,7 +507,7 @@ def plot_distributions(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of an ``Uncertainty``.
+        Dataset of an ``Uncertainty``.
     ax : Axes or sequence of Axes, optional
         The user's, one for each output. Left out: a new figure is made.
 
@@ -532,7 +532,7 @@ def distribution_pane(dataset: xr.Dataset, output: str) -> Pane:
     Parameters
     ----------
     dataset : Dataset
-        Of an ``Uncertainty``.
+        Dataset of an ``Uncertainty``.
     output : str
 
     Returns
@@ -560,7 +560,7 @@ def plot_frequency_bands(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of an ``Uncertainty`` whose outputs are found from natural frequencies.
+        Dataset of an ``Uncertainty`` whose outputs are found from natural frequencies.
     ax : Axes or sequence of Axes, optional
         The user's, one for each mode. Left out: a new figure is made.
 

@@ -76,7 +76,7 @@ def plot_speed_effect(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``MovingFrequencies`` result made with ``speed_effect=True``; Hz and rad.
+        Dataset of a ``MovingFrequencies`` result made with ``speed_effect=True``; Hz and rad.
     ax : Axes or sequence of Axes, optional
         The user's, one a mode. Left out: a new figure is made.
 
@@ -136,8 +136,8 @@ def plot_hygrothermal_effect(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``MovingFrequencies`` result in two states; Hz and rad. Its first engine is drawn,
-        at every speed.
+        Dataset of a ``MovingFrequencies`` result in two states; Hz and rad. Its first engine is
+        drawn, at every speed.
     ax : Axes or sequence of Axes, optional
         The user's, one a mode. Left out: a new figure is made.
 
@@ -306,7 +306,7 @@ def plot_agreement(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``MovingFrequencies`` result with two engines.
+        Dataset of a ``MovingFrequencies`` result with two engines.
     ax : Axes or sequence of Axes, optional
         The user's, one a mode. Left out: a new figure is made.
 

@@ -52,7 +52,8 @@ def plot_frequencies(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``MovingFrequencies`` result; frequencies in Hz, angles in rad, speeds in rad/s.
+        Dataset of a ``MovingFrequencies`` result; frequencies in Hz, angles in rad, speeds in
+        rad/s.
     ax : Axes or sequence of Axes, optional
         The user's, one a panel. Left out: a new figure is made.
 
@@ -201,7 +202,8 @@ def plot_frequencies_over_speed(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``MovingFrequencies`` result; frequencies in Hz, angles in rad, speeds in rad/s.
+        Dataset of a ``MovingFrequencies`` result; frequencies in Hz, angles in rad, speeds in
+        rad/s.
     ax : Axes or sequence of Axes, optional
         The user's, one a mode. Left out: a new figure is made.
 
@@ -251,7 +253,7 @@ def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     Parameters
     ----------
     dataset : Dataset
-        Of a ``MovingFrequencies`` result of a mechanism with specific damping.
+        Dataset of a ``MovingFrequencies`` result of a mechanism with specific damping.
     ax : Axes or sequence of Axes, optional
         The user's, one a speed. Left out: a new figure is made.
 
@@ -281,7 +283,7 @@ def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     Parameters
     ----------
     dataset : Dataset
-        Of a ``MovingFrequencies`` result.
+        Dataset of a ``MovingFrequencies`` result.
     ax : Axes or sequence of Axes, optional
         The user's, one a speed. Left out: a new figure is made.
 
@@ -298,7 +300,7 @@ def damping_picture(dataset: xr.Dataset, name: str) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``MovingFrequencies`` result.
+        Dataset of a ``MovingFrequencies`` result.
     name : str
         ``"strain_energy_damping"`` or ``"damping_ratio"``.
 

@@ -95,7 +95,7 @@ def plot_frf(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``HammerTest`` result; its first crank angle is drawn.
+        Dataset of a ``HammerTest`` result; its first crank angle is drawn.
     ax : Axes or sequence of Axes, optional
         The user's, six: the amplitudes, then the phases. Left out: a new figure is made.
 
@@ -120,7 +120,7 @@ def plot_frf_parts(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``HammerTest`` result; its first crank angle is drawn.
+        Dataset of a ``HammerTest`` result; its first crank angle is drawn.
     ax : Axes or sequence of Axes, optional
         The user's, six: the real parts, then the imaginary ones. Left out: a new figure is made.
 
@@ -198,7 +198,7 @@ def plot_harmonic_frf(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``RunningHammerTest`` result.
+        Dataset of a ``RunningHammerTest`` result.
     ax : Axes or sequence of Axes, optional
         The user's: amplitude and phase of each order. Left out: a new figure is made.
 
@@ -231,7 +231,7 @@ def plot_harmonic_frf(dataset: xr.Dataset) -> Picture:
 
 
 def _limits(size: FloatArray) -> tuple[float, float]:
-    """Of all amplitudes, from a few decades below the greatest."""
+    """Limits of all amplitudes, from a few decades below the greatest."""
     greatest = float(size.max())
     if greatest == 0:
         return 1e-9, 1.0
@@ -251,7 +251,7 @@ def plot_comparison(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Comparison`` result.
+        Dataset of a ``Comparison`` result.
     ax : Axes or sequence of Axes, optional
         The user's, one a panel. Left out: a new figure is made.
 

@@ -52,11 +52,12 @@ HAMMER, FEWER = "force of the hammer", "give one Axes a record"
 CIRCLE_DOTS: style.Look = {"marker": ".", "ms": 3.5, "ls": ""}
 # More dots on an arc than these hide the lines under them.
 MOST_DOTS = 40
-# Of an arc that shows a circle: its width over its length at least. Narrower is the curve of the
-# other modes, with a kink where the mode is.
+# Least width of an arc that shows a circle: its width over its length at least. Narrower is the
+# curve of the other modes, with a kink where the mode is.
 LEAST_WIDTH = 0.4
 
-# Of the orders' axis, that the receptance behind the poles takes: its peaks end below the top.
+# Behind of the orders' axis, that the receptance behind the poles takes: its peaks end below the
+# top.
 BEHIND = 0.9
 CURVE: style.Look = {"color": style.MID_GREY, "lw": 0.8, "zorder": 1}
 EIGEN: style.Look = {"color": "0.1", "lw": 0.8, "ls": (0, (1, 2)), "zorder": 1.5}
@@ -95,7 +96,7 @@ def plot_hammer(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``HammerTest`` result; the records of its first crank angle are drawn.
+        Dataset of a ``HammerTest`` result; the records of its first crank angle are drawn.
     ax : Axes or sequence of Axes, optional
         The user's, three, or two without noise. Left out: a new figure is made.
 
@@ -155,7 +156,8 @@ def plot_nyquist(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``HammerTest`` result; up to six modes identified at its first crank angle are drawn.
+        Dataset of a ``HammerTest`` result; up to six modes identified at its first crank angle are
+        drawn.
     ax : Axes or sequence of Axes, optional
         The user's, one a mode. Left out: a new figure is made.
 
@@ -188,7 +190,7 @@ def plot_nyquist(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
 
 def _mobility(circle: xr.Dataset, curve: str) -> ComplexArray:
-    """Of one of the curves about a mode, in m/(N s)."""
+    """Mobility of one of the curves about a mode, in m/(N s)."""
     around = circle["circle_frequency"].values
     return np.asarray(complex_values(circle, f"circle_{curve}") * 2j * np.pi * around)
 
@@ -242,7 +244,7 @@ def plot_stabilisation(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``HammerTest`` result whose modes were identified by LSCF.
+        Dataset of a ``HammerTest`` result whose modes were identified by LSCF.
     ax : Axes, optional
         The user's. Left out: a new figure is made.
 
@@ -297,8 +299,8 @@ def plot_impact_shapes(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``HammerTest`` result with a grid of impacts; up to six modes identified at its first
-        crank angle are drawn.
+        Dataset of a ``HammerTest`` result with a grid of impacts; up to six modes identified at its
+        first crank angle are drawn.
     ax : Axes or sequence of Axes, optional
         The user's, one a mode. Left out: a new figure is made.
 

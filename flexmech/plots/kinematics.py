@@ -39,7 +39,7 @@ WIDTHS = (1.1, 2.2, 3.3)
 # Around forces by distributed masses, which they hardly leave.
 LUMPED: style.Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3, "zorder": 1.9}
 
-# Of the magnitude of a force, behind its components.
+# Magnitude of the magnitude of a force, behind its components.
 MAGNITUDE: style.Look = {"color": "0.6", "lw": 2.2, "zorder": 1.5}
 
 TITLE = "Transmission angle over a turn of the crank"
@@ -47,7 +47,8 @@ TITLE = "Transmission angle over a turn of the crank"
 # Of two square panels beside each other, of three, and of four panels of angles, in inches: as high
 # as the panels are wide, and two rows that fill less than half a page.
 HEIGHT, HEIGHT_OF_THREE, ANGLE_HEIGHT = 3.6, 2.45, 4.2
-# Of a close-up over the extent of the loops: what leads into them is seen on both sides.
+# Close up room of a close-up over the extent of the loops: what leads into them is seen on both
+# sides.
 CLOSE_UP_ROOM = 1.5
 # Above this extent in m a picture is in m, below it in mm, whose numbers have four digits at most.
 METRES = 10.0
@@ -421,7 +422,7 @@ def drawn_points(dataset: xr.Dataset) -> list[str]:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Kinematics`` result.
+        Dataset of a ``Kinematics`` result.
 
     Returns
     -------
@@ -451,7 +452,7 @@ def motion_lines(dataset: xr.Dataset, points: list[str]) -> list[MotionLine]:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Kinematics`` result.
+        Dataset of a ``Kinematics`` result.
     points : list of str
 
     Returns
@@ -507,7 +508,8 @@ def over_positions(
     panes : sequence of Pane
     title : str
     y_label : str
-        Of all axes along y; left out where they differ. Further fields of a picture are options.
+        Y label of all axes along y; left out where they differ. Further fields of a picture are
+        options.
 
     Returns
     -------
@@ -528,7 +530,7 @@ def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Kinematics`` result with points or sliders.
+        Dataset of a ``Kinematics`` result with points or sliders.
     ax : sequence of Axes, optional
         The user's, three for each of the points, in rows of positions, velocities and
         accelerations. Left out: a new figure is made.
@@ -547,7 +549,7 @@ def motion_picture(dataset: xr.Dataset, points: list[str]) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Kinematics`` result.
+        Dataset of a ``Kinematics`` result.
     points : list of str
 
     Returns
@@ -579,7 +581,7 @@ def motion_picture(dataset: xr.Dataset, points: list[str]) -> Picture:
     return over_positions(over, panes, title, layout=layout)
 
 
-# Of the drive, which is the same for all engines.
+# Prescribed of the drive, which is the same for all engines.
 PRESCRIBED: Look = {"color": "0.15", "lw": 1.2}
 ENVELOPE: Look = {"color": MID_GREY, "lw": 0.9, "zorder": 1.5}
 STOP: Look = {"color": MID_GREY, "lw": 0.9, "ls": ":", "zorder": 0.5}
@@ -603,7 +605,7 @@ def plot_law(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Kinematics`` or ``Response`` result under a law of motion: ``crank_angle``,
+        Dataset of a ``Kinematics`` or ``Response`` result under a law of motion: ``crank_angle``,
         ``crank_speed_over_time`` and ``crank_acceleration`` over time, and ``driving_power``
         (engine, time) of a run.
     ax : sequence of Axes, optional
@@ -643,9 +645,9 @@ def plot_residual(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result under a law that stops: ``deflection``, and ``residual_envelope``
-        about ``residual_middle`` (engine, time, link) in m; the first engine's envelope is drawn in
-        grey.
+        Dataset of a ``Response`` result under a law that stops: ``deflection``, and
+        ``residual_envelope`` about ``residual_middle`` (engine, time, link) in m; the first
+        engine's envelope is drawn in grey.
     ax : sequence of Axes, optional
         The user's, one for each link that bends. Left out: a new figure is made.
 
@@ -680,7 +682,7 @@ def plot_motor(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Kinematics`` or ``Response`` result under a motor: ``motor_speed``,
+        Dataset of a ``Kinematics`` or ``Response`` result under a motor: ``motor_speed``,
         ``motor_torque`` and ``motor_power`` over time, or (engine, time); ``motor_current`` of a
         DC motor.
     ax : sequence of Axes, optional

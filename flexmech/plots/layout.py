@@ -60,7 +60,7 @@ def grid(
     ----------
     rows, columns : int
     height : float
-        Of all rows in inches, without the header.
+        Height of all rows in inches, without the header.
     count : int, optional
         Number of panels, where the last row is not full.
     narrow : int
@@ -208,7 +208,7 @@ def sheet(layout: Layout, *, ax: AxesLike | None = None, fewer: str = "") -> Ite
     Parameters
     ----------
     layout : Layout
-        Of a new figure; of the user's panels its number counts.
+        Layout of a new figure; the user's panels must be as many.
     ax : Axes or sequence of Axes, optional
         The user's, one a panel. Left out: a new figure is made.
     fewer : str

@@ -28,7 +28,7 @@ from flexmech.plots.style import LABEL_POINTS, Look, line_handle, series_style
 POSTURE_HEIGHT = (1.7, 3.4)
 HIGH_POSTURE = 4.4
 ROW_HEIGHT = 2.2
-# Of a panel's heading in inches.
+# Heading of a panel's heading in inches.
 HEADING = 0.25
 # What the numbers along the transmission angle take of the width.
 AXIS_INCHES = 0.6
@@ -70,7 +70,7 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     Parameters
     ----------
     dataset : Dataset
-        Of a ``ModelCheck`` result that has a posture; m, kg and rad.
+        Dataset of a ``ModelCheck`` result that has a posture; m, kg and rad.
     ax : sequence of Axes, optional
         The user's: three, or two where there is no transmission angle. Left out: a new figure is
         made.
@@ -107,7 +107,7 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
 
 
 def _places(sketch: LinkageSketch, dataset: xr.Dataset) -> FloatArray:
-    """Of paths, the names of joints and the thickness of links, (n, 2)."""
+    """Places of paths, the names of joints and the thickness of links, (n, 2)."""
     half = np.nan_to_num(values_of(dataset["in_plane_thickness"], "link"))[:, None, None] / 2
     inside = [named_places(sketch, dataset), sketch.links - half, sketch.links + half]
     if "path" in dataset:
@@ -116,7 +116,7 @@ def _places(sketch: LinkageSketch, dataset: xr.Dataset) -> FloatArray:
 
 
 def _limits(sketch: LinkageSketch) -> Bbox:
-    """Of the posture and all around it."""
+    """Limits of the posture and all around it."""
     limits = sketch.limits(np.empty((0, 2)))
     # Paths may be much larger than the linkage, which the room for the scale bar is made for.
     low = limits.y0 - BAR_ROOM * limits.height
@@ -251,7 +251,7 @@ class _Row:
 
     @property
     def least_height(self) -> float:
-        """Of its lines in inches."""
+        """Least height of its lines in inches."""
         return LINE_INCHES * (len(self.texts) + 0.4)
 
 
@@ -298,11 +298,11 @@ class _Stacks:
 
     @staticmethod
     def _height(row: _Row, scale: float) -> float:
-        """Of a row in inches."""
+        """Height of a row in inches."""
         return max(row.thickness / scale, row.least_height) + LINE_INCHES / 2
 
     def heights(self) -> list[float]:
-        """Of the rows in mm of the panel."""
+        """Heights of the rows in mm of the panel."""
         return [self.scale * self._height(row, self.scale) for row in self.rows]
 
 
@@ -370,7 +370,7 @@ def transmission_picture(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``ModelCheck`` result with ``transmission_angle``.
+        Dataset of a ``ModelCheck`` result with ``transmission_angle``.
 
     Returns
     -------

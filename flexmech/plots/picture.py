@@ -20,7 +20,7 @@ from flexmech.plots.reading import Units, engine_label, fitting_unit, values_of
 from flexmech.plots.style import LIGHT_GREY, Look, series_line
 
 BARS = 0.8
-"""Of the distance of two places, that all bars at a place take together."""
+"""Bars of the distance of two places, that all bars at a place take together."""
 Choice = Mapping[str, str]
 """What the reader of a page must have chosen for something to be shown: ``speed``, ``engine``,
 ``state`` or ``mode``, such as ``{"speed": "20 rad/s"}``; what is not named does not matter."""
@@ -41,8 +41,8 @@ class Curve:
     upto : ndarray, shape (n,), optional
         The other edge of a band, which is filled; its look is that of a patch.
     wave : float
-        Of a line against time that may vibrate faster than its pane can show, how much wider it is
-        drawn than others; 0 of any other line.
+        Wave of a line against time that may vibrate faster than its pane can show, how much wider
+        it is drawn than others; 0 of any other line.
     when : mapping
         What the reader of a page must have chosen for it to be shown.
     followed : mapping or None
@@ -74,7 +74,7 @@ class Span:
     low, high : float
         Equal of a line.
     look : dict
-        Of a line or a patch, as matplotlib names it.
+        Look of a line or a patch, as matplotlib names it.
     name : str
         In the legend; empty: it is not named.
     upright : bool
@@ -129,7 +129,7 @@ class Pane:
     Parameters
     ----------
     label : str
-        Of the axis along y, without the unit where there are ``units`` to choose from.
+        Label of the axis along y, without the unit where there are ``units`` to choose from.
     curves : sequence of Curve
         In the SI unit where there are ``units``, as spans and limits.
     units : tuple of (float, str)
@@ -139,10 +139,10 @@ class Pane:
         Above the pane.
     spans : sequence of Span
     limits : (float, float), optional
-        Of the axis along y.
+        Limits of the axis along y.
     scale : {"linear", "log", "plain log", "signed log"}
-        Of that axis: a logarithmic one has numbers in powers of ten, or in full, or is logarithmic
-        on either side of zero, with ticks.
+        Scale of that axis: a logarithmic one has numbers in powers of ten, or in full, or is
+        logarithmic on either side of zero, with ticks.
     ticks : sequence of float
         Along y; empty: as matplotlib chooses them.
     height : float
@@ -203,22 +203,22 @@ class Picture:
     ----------
     panes : sequence of Pane
     x_label : str
-        Of the axis along x, with its unit.
+        X label of the axis along x, with its unit.
     of : Dataset
         Whose mechanism and terms the heading names.
     title : str
         Below them.
     y_label : str
-        Of all axes along y, with the unit or with units to choose from as a pane's label; empty
-        where they differ.
+        Y label of all axes along y, with the unit or with units to choose from as a pane's label;
+        empty where they differ.
     over : {"angle", "time", "speed", "number", "plane"}
         What runs along x: crank angle in degrees, time with the crank angle on a second axis, crank
         speed with another unit on it, any other number, or a place in the plane, at one scale.
     places : ndarray
         Along x that the axis shall hold, ascending; empty: what the curves take.
     layout : Layout, optional
-        Of its panes in a new figure. Left out: over time and over the crank angle a stack, or two
-        of many panes; else tiles in two columns.
+        Layout of its panes in a new figure. Left out: over time and over the crank angle a stack,
+        or two of many panes; else tiles in two columns.
     legend : mapping of str to dict, optional
         Looks by their labels. Left out: the names of curves and spans, once.
     colours : (ScalarMappable, str), optional
@@ -325,9 +325,9 @@ def bars(
     ----------
     places : ndarray, shape (n,)
     rows : sequence of ndarray, shape (n,)
-        Of each series.
+        Rows of each series.
     looks : sequence of dict
-        Of each series, as of a patch.
+        Looks of each series, as of a patch.
     names : sequence of str
         In the legend.
 

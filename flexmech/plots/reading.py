@@ -26,7 +26,7 @@ LENGTH_UNITS: Units = ((1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
 FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
 TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
 STRAIN_UNITS: Units = ((1e6, "µm/m"),)
-# Of the largest value in a unit that can be read: axes write two decimals.
+# Least number of the largest value in a unit that can be read: axes write two decimals.
 LEAST_NUMBER = 0.01
 MAP = ("engine", "crank_speed", "crank_angle", "mode")
 """Dimensions of what is known of each mode, in the order in which it is drawn."""
@@ -294,7 +294,7 @@ def chosen(
     Parameters
     ----------
     dataset : Dataset
-        Of a result.
+        Dataset of a result.
     engine : str or sequence of str, optional
         Names, such as ``"exudyn"``.
     modes : int or sequence of int, optional

@@ -40,7 +40,7 @@ def plot_response(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result; m, s and rad.
+        Dataset of a ``Response`` result; m, s and rad.
     ax : Axes or sequence of Axes, optional
         The user's, one a panel. Left out: a new figure is made.
 
@@ -124,7 +124,7 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result; N m, N, s and rad.
+        Dataset of a ``Response`` result; N m, N, s and rad.
     ax : Axes or sequence of Axes, optional
         The user's, one a panel. Left out: a new figure is made.
 
@@ -146,7 +146,7 @@ def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Pictu
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result.
+        Dataset of a ``Response`` result.
     components : sequence of str
         Those shown besides the size.
 
@@ -191,7 +191,7 @@ def elastic_and_rigid(
 
 
 def _magnitude(force: xr.DataArray) -> xr.DataArray:
-    """Of a force with dim component, at each sample."""
+    """Magnitude of a force with dim component, at each sample."""
     size: xr.DataArray = xr.apply_ufunc(
         lambda parts: np.linalg.norm(parts, axis=-1), force, input_core_dims=[["component"]]
     )
@@ -205,8 +205,9 @@ def plot_frame_motion(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result of a mechanism with a frame on springs: ``frame_displacement``
-        (engine, time, component) in m, ``frame_rotation`` in rad and ``floor_force`` in N.
+        Dataset of a ``Response`` result of a mechanism with a frame on springs:
+        ``frame_displacement`` (engine, time, component) in m, ``frame_rotation`` in rad and
+        ``floor_force`` in N.
     ax : Axes or sequence of Axes, optional
         The user's, five of them. Left out: a new figure is made.
 
@@ -241,8 +242,8 @@ def plot_shaped(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result with a shaper: ``crank_speed_over_time`` and ``deflection`` over
-        ``time``, the same with ``shaped_`` over ``shaped_time``; m, rad/s and s.
+        Dataset of a ``Response`` result with a shaper: ``crank_speed_over_time`` and ``deflection``
+        over ``time``, the same with ``shaped_`` over ``shaped_time``; m, rad/s and s.
     ax : sequence of Axes, optional
         The user's, one for the speed and one for each link that bends. Left out: a new figure is
         made.

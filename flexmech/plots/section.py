@@ -87,7 +87,7 @@ def plot_section(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of one link, named by the coordinate ``link``, over (coupling, load, layer, point):
+        Dataset of one link, named by the coordinate ``link``, over (coupling, load, layer, point):
         ``place`` in m, ``strain``, ``normal_stress``, ``shear_stress`` and
         ``third_order_shear_stress`` in Pa under 1 N or 1 N m, with ``ply`` and ``angle`` (rad)
         of the layers, ``neutral_axis`` and ``mass_axis`` in m. Layers and points without a

@@ -15,7 +15,7 @@ from flexmech.plots.layout import grid
 from flexmech.plots.picture import ZERO, Curve, Pane, Picture, bars, over_angles, series
 from flexmech.plots.response import elastic_and_rigid, over_time
 
-# Of an axis over the highest bar.
+# Room of an axis over the highest bar.
 ROOM = 1.05
 # Of two panels above each other, and of two beside each other, in inches.
 _STACKED, _BESIDE = 3.9, 2.3
@@ -67,7 +67,7 @@ def plot_running_shaking_force(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result; N, N m, s and rad.
+        Dataset of a ``Response`` result; N, N m, s and rad.
     ax : Axes or sequence of Axes, optional
         The user's, one a panel. Left out: a new figure is made.
 

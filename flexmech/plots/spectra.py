@@ -58,7 +58,7 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result.
+        Dataset of a ``Response`` result.
     ax : Axes or sequence of Axes, optional
         The user's, one a link. Left out: a new figure is made.
 
@@ -103,7 +103,7 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result with ``spectrogram``. Its first engine is drawn.
+        Dataset of a ``Response`` result with ``spectrogram``. Its first engine is drawn.
     ax : Axes or sequence of Axes, optional
         The user's, one a link. Left out: a new figure is made.
 
@@ -178,7 +178,7 @@ def _highest_frequency(dataset: xr.Dataset, name: str) -> float:
     ----------
     dataset : Dataset
     name : str
-        Of the frequency coordinate.
+        Name of the frequency coordinate.
 
     Returns
     -------

@@ -48,7 +48,8 @@ KINDS = {
 }
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
 NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
-# Of names of bands, in points: smaller than other words, as they stand upright side by side.
+# Label points of names of bands, in points: smaller than other words, as they stand upright side by
+# side.
 LABEL_POINTS = 6.5
 # Names at most, as more would hide the curve under them, and the part of the axes' width that one
 # takes upright: a letter's height with some room, on a wide and on a narrow page.
@@ -56,7 +57,8 @@ NAMES, NARROW_NAMES = (14, 0.024), (7, 0.045)
 # Of the axes' width, two points: narrower bands are marks at the lower edge, of this part of the
 # height, which hide no curve.
 LEAST_WIDTH, MARK_HEIGHT = 0.004, 0.05
-# Of the greatest growth rate: bands that grow more slowly lie on the line of zero, without names.
+# Least named of the greatest growth rate: bands that grow more slowly lie on the line of zero,
+# without names.
 LEAST_NAMED = 0.02
 
 # Of both panels in inches: the upper one holds the names of bands too.
@@ -64,7 +66,7 @@ GROWTH_HEIGHT, MODULUS_HEIGHT = 2.6, 1.7
 ZERO: Look = {"color": "0.55", "lw": 0.6, "zorder": 1}
 # Height of the axis over that of the curve: names of bands, of eleven letters, stand above it.
 BAND_ROOM = 1.55
-# Of the axis in 1/s: growth below it is round-off of multipliers that do not grow.
+# Least growth of the axis in 1/s: growth below it is round-off of multipliers that do not grow.
 LEAST_GROWTH = 1e-3
 # Greatest modulus on a linear axis; logarithm of the greatest drawn: some are beyond all numbers.
 MOST_LINEAR, LARGEST_LOGARITHM = 1e3, 200.0
@@ -99,7 +101,7 @@ def unstable_bands(dataset: xr.Dataset) -> list[UnstableBand]:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``StabilityMap`` result.
+        Dataset of a ``StabilityMap`` result.
 
     Returns
     -------
@@ -123,7 +125,7 @@ def growth_curve(dataset: xr.Dataset, engine: int = 0) -> tuple[FloatArray, Floa
     Parameters
     ----------
     dataset : Dataset
-        Of a ``StabilityMap`` result.
+        Dataset of a ``StabilityMap`` result.
     engine : int
 
     Returns
@@ -158,7 +160,7 @@ def speed_spans(dataset: xr.Dataset) -> tuple[Span, ...]:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``StabilityMap`` result.
+        Dataset of a ``StabilityMap`` result.
 
     Returns
     -------
@@ -237,7 +239,7 @@ def plot_stability(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``StabilityMap`` result.
+        Dataset of a ``StabilityMap`` result.
     ax : Axes or sequence of Axes, optional
         The user's, two. Left out: a new figure is made.
 
@@ -306,7 +308,7 @@ def _scale(
     return ends, "linear"
 
 
-# Of a panel of an engine in inches: two fill two thirds of a page.
+# Panel height of a panel of an engine in inches: two fill two thirds of a page.
 PANEL_HEIGHT = 2.9
 # Grows darker throughout, and begins where it is told from white.
 COLOURS = LinearSegmentedColormap.from_list(
@@ -334,7 +336,7 @@ def plot_stability_against(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
     Parameters
     ----------
     dataset : Dataset
-        Of a ``StabilityMap`` result that was asked for a second parameter.
+        Dataset of a ``StabilityMap`` result that was asked for a second parameter.
     ax : Axes or sequence of Axes, optional
         The user's, one an engine. Left out: a new figure is made.
 
@@ -448,10 +450,10 @@ def _words(dataset: xr.Dataset) -> str:
 HEIGHT, NARROW_HEIGHT, BRANCH_HEIGHT = 3.9, 3.2, 1.45
 # Points are seen on it.
 FILL: Look = {"alpha": 0.22, "lw": 0}
-# Of marks, in points: they show where many branches lie close to each other.
+# Point size of marks, in points: they show where many branches lie close to each other.
 POINT_SIZE = 2.2
-# Of the lowest mean frequency, at which the axis begins: the linkage may be near to buckling, where
-# the lowest frequency is zero, which has no place on a logarithmic axis.
+# Lowest part of the lowest mean frequency, at which the axis begins: the linkage may be near to
+# buckling, where the lowest frequency is zero, which has no place on a logarithmic axis.
 LOWEST_PART = 0.4
 # Harmonics of the lowest branches are drawn: those of the natural frequencies asked for by default.
 MOST_BRANCHES = 4
@@ -471,7 +473,7 @@ def plot_floquet_frequencies(dataset: xr.Dataset) -> Picture:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``StabilityMap`` result.
+        Dataset of a ``StabilityMap`` result.
     ax : Axes, optional
         The user's. Left out: a new figure is made.
 
@@ -515,7 +517,7 @@ def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
     Parameters
     ----------
     dataset : Dataset
-        Of a ``StabilityMap`` result.
+        Dataset of a ``StabilityMap`` result.
     ax : Axes or sequence of Axes, optional
         The user's, one a branch. Left out: a new figure is made.
 
@@ -558,7 +560,7 @@ def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
 
 
 def _limits(dataset: xr.Dataset, frequency: FloatArray) -> tuple[float, float]:
-    """Of the frequency axis: around the means of the moving frequencies, and their highest.
+    """Limits of the frequency axis: around the means of the moving frequencies, and their highest.
 
     Those of a linkage that is statically unstable are zero, and have no place on the axis.
     """

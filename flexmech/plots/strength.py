@@ -37,11 +37,11 @@ WORST = {"link": "worst place", "fatigue": "worst place by fatigue", "pin": "pin
 FIRST, OTHERS = "with its load factor", "likewise"
 # Digits of a load factor: loads and strengths are known to fewer.
 DIGITS = 3
-# Of links in points, wide enough for their colour to be seen.
+# Wide of links in points, wide enough for their colour to be seen.
 WIDE = 5.0
 LEAST_HEIGHT, MOST_HEIGHT = 2.2, 4.6
-# Of a number beside its place, over the linkage's size; how far it stands off, in points, and in
-# which directions beside a joint.
+# Name room of a number beside its place, over the linkage's size; how far it stands off, in points,
+# and in which directions beside a joint.
 NAME_ROOM = 0.08
 AWAY = 17.0
 _TURN = np.radians(np.arange(0.0, 360.0, 15.0))
@@ -127,7 +127,7 @@ class Mark:
     part : str
         Link or joint.
     kind : str
-        Of its least margin.
+        Kind of its least margin.
     factor : float
         Least load factor.
     position : float

@@ -32,7 +32,7 @@ def plot_verification(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Verification`` result.
+        Dataset of a ``Verification`` result.
     ax : Axes, optional
         The user's. Left out: a new figure is made.
 

@@ -34,7 +34,7 @@ class Ties:
     Parameters
     ----------
     turns : list of ndarray, shape (r, c, B)
-        Of each link: derivative of the dependent rows by the coordinates that determine them.
+        Turns of each link: derivative of the dependent rows by the coordinates that determine them.
     displaced : DisplacedTies, optional
         Where rigid links and lines are, if there are any.
     """
@@ -53,7 +53,7 @@ class LinkRows:
     Parameters
     ----------
     frames : LinkFrames
-        Of the unreduced links.
+        Frames of the unreduced links.
     link : int
     rows : ndarray of int, shape (r,)
         Ascending coordinates of the link; all of a rigid one.
@@ -110,7 +110,7 @@ class LinkageAssembly:
     Parameters
     ----------
     frames : LinkFrames
-        Of the unreduced links.
+        Frames of the unreduced links.
     links : mapping of int to CorotationalElements
         The flexible ones, by their number.
     joined : sequence of ndarray of int
@@ -119,7 +119,7 @@ class LinkageAssembly:
     Attributes
     ----------
     order : ndarray of int, shape (size,)
-        Of the coordinates in the band.
+        Order of the coordinates in the band.
     """
 
     order: IntArray
@@ -370,7 +370,7 @@ class RadialSprings:
     Parameters
     ----------
     frames : LinkFrames
-        Of the unreduced links, without constraints of these joints.
+        Frames of the unreduced links, without constraints of these joints.
     connectors : Connectors
 
     Attributes
@@ -409,7 +409,7 @@ class RadialSprings:
             Batch of shape (B,).
         displacement : sequence of ndarray, shape (n_link, B)
         ties : Ties
-            Of the displaced links.
+            Ties of the displaced links.
         """
         for (stiffness, ends), columns in zip(self._springs, self.columns, strict=True):
             moved = np.zeros((len(motion.crank_angle), 2, len(columns)))

@@ -72,7 +72,7 @@ class Problem:
     extra : sequence of ndarray, shape (e, r, r, B)
         Stiffness that comes with them, by each element's relative coordinates.
     dead : DeadMoments
-        Of bodies and rigid links.
+        Dead of bodies and rigid links.
     ties : Ties, optional
         Constraints where they do not depend on the displacement.
     swelling : float
@@ -114,7 +114,7 @@ class Imbalance:
     band : ndarray, shape (size, width + 1, B)
         Tangent stiffness in band form.
     strains : list of LinearStrain
-        Of each link's elements.
+        Strains of each link's elements.
     """
 
     residual: FloatArray
@@ -139,7 +139,7 @@ class ForceBalance:
     Parameters
     ----------
     frames : LinkFrames
-        Of the unreduced links.
+        Frames of the unreduced links.
     chains : mapping of int to Chain
         Each flexible link by its number, all of one kind of elements.
     connectors : Connectors
@@ -176,7 +176,7 @@ class ForceBalance:
         z : ndarray, shape (size, B)
         problem : Problem
         before : sequence of LinearStrain, optional
-            Of each link's elements where a step came from that has led to z; see
+            Before of each link's elements where a step came from that has led to z; see
             :meth:`CorotationalElements.response`.
 
         Returns
@@ -406,7 +406,7 @@ class Equilibrium:
             Stiffness of each element besides that of the corotational beam, by its relative
             coordinates.
         dead : DeadMoments
-            Of bodies and rigid links.
+            Dead of bodies and rigid links.
         near : sequence of ndarray, shape (B, n_link), optional
             Displacements from which Newton's method starts. Where it leads to no stable
             equilibrium from there, and by default, it starts from straight links.

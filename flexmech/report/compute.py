@@ -41,12 +41,12 @@ class ReportRequest:
     crank_speeds : array_like, shape (S,), optional
         In ``speed_unit``. Left out: zero and the speeds at which the mechanism operates.
     crank_angles : array_like, shape (A,)
-        Of the frequencies, increasing, in rad.
+        Crank angles of the frequencies, increasing, in rad.
     include : tuple of str, optional
-        Of ``"frequencies"``, ``"campbell"``, ``"response"``, ``"kinematics"``, ``"section"``,
-        ``"coupler-curve"`` and ``"moisture"``. Left out: all that the mechanism has; a coupler
-        curve where it names a coupler point, moisture where the environment is an exposure that
-        links answer.
+        Questions to answer: ``"frequencies"``, ``"campbell"``, ``"response"``, ``"kinematics"``,
+        ``"section"``, ``"coupler-curve"`` and ``"moisture"``. Left out: all that the mechanism has;
+        a coupler curve where it names a coupler point, moisture where the environment is an
+        exposure that links answer.
     campbell_speeds : array_like, optional
         In ``speed_unit``. Left out: from zero to 1.5 times the greatest crank speed.
     modes : int, optional

@@ -77,7 +77,7 @@ def json_text(content: Any) -> str:
     Parameters
     ----------
     content : object
-        Of lists, dicts, texts, finite numbers and None.
+        Content of lists, dicts, texts, finite numbers and None.
 
     Returns
     -------
@@ -159,7 +159,7 @@ def plotly_source() -> str:
     return source.replace("</script", "<\\/script")
 
 
-# Of a run's turn: the script interpolates between samples every three degrees.
+# Most frames of a run's turn: the script interpolates between samples every three degrees.
 MOST_FRAMES = 120
 # Largest displacement as drawn, over the linkage's extent: seen at once, and the linkage is still
 # itself.

@@ -148,10 +148,10 @@ def write_report(
     Parameters
     ----------
     results : Result or sequence of Result
-        Of one mechanism: frequencies, Campbell diagram, responses, sections, coupler curves,
-        moisture. Each panel takes those that it shows.
+        Results of one mechanism: frequencies, Campbell diagram, responses, sections, coupler
+        curves, moisture. Each panel takes those that it shows.
     path : str or Path
-        Of the HTML file; replaced if it exists.
+        Path of the HTML file; replaced if it exists.
     mechanism : Mechanism, optional
         What is drawn and turns. Left out: that of the model file whose text the results hold; a
         mechanism built in Python has none, and the page then shows the panels alone.

@@ -64,9 +64,9 @@ class Trace:
     look : str
         Dashes of a line as plotly has them, or ``"points"``.
     width : float
-        Of the line, or of points, in pixels.
+        Width of the line, or of points, in pixels.
     symbol : str
-        Of points, or of those on a line; empty: the line has none.
+        Symbol of points, or of those on a line; empty: the line has none.
     when : mapping
         What the reader must have chosen for it to be shown.
     followed : mapping or None
@@ -107,7 +107,7 @@ class YAxis:
     title : str
     logarithmic : bool
     ends : tuple of float
-        Of a linear axis; empty: those of the traces.
+        Ends of a linear axis; empty: those of the traces.
     height : float
         Over that of other axes.
     """
@@ -146,7 +146,7 @@ class Plot:
     title : str
         Above the plot, where a panel has several.
     ends : tuple of float
-        Of the horizontal axis; empty: those of the traces.
+        Ends of the horizontal axis; empty: those of the traces.
     named : tuple of str
         What stands at 1, 2, 3 and so on along it; empty: numbers.
     """
@@ -349,7 +349,7 @@ class Reading:
     angle, value : ndarray, shape (n,)
         Crank angle in degrees and the number there.
     error : float
-        Of the number, in its unit; not a number where it is not known.
+        Error of the number, in its unit; not a number where it is not known.
     when : mapping
     decimals : int
     mode : str
@@ -434,7 +434,7 @@ def shows(kind: type[Kind]) -> Callable[[Callable[[Kind, Results], Panel | None]
     Parameters
     ----------
     kind : type
-        Of the result that the panel shows.
+        Kind of the result that the panel shows.
 
     Returns
     -------
@@ -461,9 +461,9 @@ def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **par
     Parameters
     ----------
     name : str
-        Of the panel, and of its table in the file.
+        Name of the panel, and of its table in the file.
     said : Summary, optional
-        Of the result: its answer, table and warnings are the panel's, and all else is folded.
+        Said of the result: its answer, table and warnings are the panel's, and all else is folded.
     variant : str
         Which of several tables of words, where the panel has several.
 

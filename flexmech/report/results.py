@@ -176,7 +176,7 @@ def state_of(attributes: Mapping[str, object]) -> str:
     Parameters
     ----------
     attributes : mapping
-        Of a dataset.
+        Attributes of a dataset.
 
     Returns
     -------
@@ -205,7 +205,7 @@ class LastTurn:
     kept : ndarray of int, shape (n,)
         Numbers of the run's samples at these angles.
     samples : int
-        Of the turn before it was thinned.
+        Samples of the turn before it was thinned.
     """
 
     angle: FloatArray

@@ -111,7 +111,7 @@ def energy_by_direction(
     strain : ndarray, shape (N, m, 3)
         Strains x, z and xz at points in each layer.
     weights : ndarray, shape (N, m)
-        Of the points in an integral over the layer, in m.
+        Weights of the points in an integral over the layer, in m.
     other : ndarray, shape (N, m, 3), optional
         Strains of the stress, where it is that of another state.
 
@@ -136,7 +136,7 @@ def lost_share(laminate: Laminate, energy: FloatArray) -> float:
     ----------
     laminate : Laminate
     energy : ndarray, shape (N, 3)
-        Of each layer by the material's axes.
+        Energy of each layer by the material's axes.
 
     Returns
     -------
@@ -182,11 +182,11 @@ class Strip:
     laminate : Laminate
     reduction : {"narrow", "wide"}
     relaxation : ndarray, shape (2, 2)
-        Of a narrow link's free edges: what part of mid-plane strain and gradient finds each ply
-        free of all others; none by default.
+        Relaxation of a narrow link's free edges: what part of mid-plane strain and gradient finds
+        each ply free of all others; none by default.
     restraint : float
-        Of a narrow link's twist, the gradient in y of the shear strain: 0 leaves it free, 1
-        prevents it.
+        Restraint of a narrow link's twist, the gradient in y of the shear strain: 0 leaves it free,
+        1 prevents it.
     """
 
     laminate: Laminate
@@ -578,14 +578,14 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
 
 @cache
 def _unit_rectangle() -> Zigzag:
-    """Of a rectangle 1 m thick with ``EI / kGA`` of 0.2 m^2."""
+    """Unit rectangle of a rectangle 1 m thick with ``EI / kGA`` of 0.2 m^2."""
     laminate = Laminate((Layer(Ply.isotropic(Material(1.0, 1.0, poisson_ratio=0.0)), 1.0),))
     strip = Strip(laminate, "wide")
     return zigzag_of(strip, PlaneState(laminate, strip.strains[1]))
 
 
 def rectangular_zigzag(thickness: float, bending_over_shear: float) -> Zigzag:
-    """Of a solid rectangle of one material.
+    """Rectangular zigzag of a solid rectangle of one material.
 
     Parameters
     ----------

@@ -242,7 +242,7 @@ class BeamSection:
         Parameters
         ----------
         length : float
-            Of the link in m.
+            Length of the link in m.
 
         Returns
         -------

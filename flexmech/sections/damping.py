@@ -21,14 +21,14 @@ class DampingTimes:
     Parameters
     ----------
     axial : float
-        Of stretching along the neutral axis, in s.
+        Axial of stretching along the neutral axis, in s.
     bending : float
-        Of bending about it, in s.
+        Bending of bending about it, in s.
     shear : float
-        Of shear, in s.
+        Shear of shear, in s.
     warping : float, optional
-        Of warping cross-sections, in s; as of bending if left out. A change of the shear angle
-        along the link asks for it in zigzag and third-order beams.
+        Warping of warping cross-sections, in s; as of bending if left out. A change of the shear
+        angle along the link asks for it in zigzag and third-order beams.
     stated : bool
         Whether anybody says so. Times of zero that nobody states leave open whether the
         specific damping counts in motion over time.
@@ -84,13 +84,13 @@ class SpecificDamping:
     Parameters
     ----------
     axial : float
-        Of stretching along the neutral axis.
+        Axial of stretching along the neutral axis.
     bending : float
-        Of bending about it.
+        Bending of bending about it.
     shear : float
-        Of shear.
+        Shear of shear.
     warping : float, optional
-        Of warping cross-sections; as of bending if left out.
+        Warping of warping cross-sections; as of bending if left out.
 
     Raises
     ------

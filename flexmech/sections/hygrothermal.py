@@ -289,7 +289,7 @@ def residual_ply_stresses(
     temperature_rise : float
         Over the temperature at which they are free of stress, in K.
     moisture : ndarray, shape (N,)
-        Of each layer's resin, as :func:`flexmech.materials.moisture_of` gives it.
+        Moisture of each layer's resin, as :func:`flexmech.materials.moisture_of` gives it.
 
     Returns
     -------

@@ -244,9 +244,9 @@ class LaminateSection(LayeredSection):
         ``narrow``: no stress resultant across the link nor in-plane shear (plane stress);
         ``wide``: no strain across nor in-plane shear (plane strain, cylindrical bending).
     twist : {"free", "held"}, optional
-        Of a narrow section whose off-axis plies twist as they bend: ``held`` where joints keep
-        both ends from turning about the link's axis (:mod:`flexmech.sections.free_edges`). Left
-        out: as the link's joints have it, and free where there is no link.
+        Twist of a narrow section whose off-axis plies twist as they bend: ``held`` where joints
+        keep both ends from turning about the link's axis (:mod:`flexmech.sections.free_edges`).
+        Left out: as the link's joints have it, and free where there is no link.
 
     Raises
     ------

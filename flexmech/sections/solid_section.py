@@ -54,9 +54,9 @@ def graded(count: int, share: float) -> FloatArray:
     Parameters
     ----------
     count : int
-        Of the elements.
+        Count of the elements.
     share : float
-        Of spacing by a cosine; the rest is even.
+        Share of spacing by a cosine; the rest is even.
 
     Returns
     -------
@@ -72,14 +72,14 @@ def rows_of_runs(faces: FloatArray, total: int) -> tuple[FloatArray, IntArray]:
     Parameters
     ----------
     faces : ndarray, shape (n + 1,)
-        Of the runs, ascending.
+        Faces of the runs, ascending.
     total : int
         About how many rows.
 
     Returns
     -------
     ends : ndarray, shape (m + 1,)
-        Of all rows.
+        Ends of all rows.
     count : ndarray of int, shape (n,)
         Rows of each run.
     """
@@ -100,12 +100,12 @@ class Parabolas:
     Parameters
     ----------
     ends : ndarray, shape (n + 1,)
-        Of the elements, ascending.
+        Ends of the elements, ascending.
 
     Attributes
     ----------
     places : ndarray, shape (2 n + 1,)
-        Of the nodes.
+        Places of the nodes.
     size : int
         Number of nodes.
     rows, columns : ndarray of int, shape (9 n,)
@@ -128,7 +128,7 @@ class Parabolas:
             Whether rows and columns stand for slopes: :data:`VALUES`, :data:`SLOPES`, or a function
             and a slope.
         weight : ndarray, shape (n,), optional
-            Of each element; one where it is left out.
+            Weight of each element; one where it is left out.
 
         Returns
         -------
@@ -188,7 +188,7 @@ def solid_section(faces: FloatArray, stiffness: FloatArray, sides: FloatArray) -
     faces : ndarray, shape (n + 1,)
         Places y of the elements' faces in m, ascending; a row of elements has one material.
     stiffness : ndarray, shape (n, 6, 6)
-        Of each row by strains x, y, z, yz, xz and xy in Pa.
+        Stiffness of each row by strains x, y, z, yz, xz and xy in Pa.
     sides : ndarray, shape (m + 1,)
         Places z of the elements' sides in m, ascending.
 
@@ -225,7 +225,7 @@ def section_energy(
     through, across : Parabolas
         Along y and z.
     stiffness : ndarray, shape (n, 6, 6)
-        Of each row of elements by strains x, y, z, yz, xz and xy.
+        Stiffness of each row of elements by strains x, y, z, yz, xz and xy.
     rates : tuple of bool
         Whether rows and columns are the rates along x of the displacements.
 

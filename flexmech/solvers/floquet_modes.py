@@ -27,7 +27,7 @@ from flexmech.dynamical_systems import (
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.solvers.moving_modes import MovingModes
 
-# Of a turn; more do not fit into memory with the smallest of linkages.
+# Most steps of a turn; more do not fit into memory with the smallest of linkages.
 MOST_STEPS = 1_000_000
 SHAPE_ANGLES = 16
 """Crank angles a turn at which the shapes of modes are compared: a shape changes as the linkage's
@@ -162,7 +162,7 @@ class VibratingLinkage:
 RADIANS_A_STEP = 1.5
 # A free shaft moves far more slowly, and what the steps leave of the fastest modes shows there.
 RADIANS_BESIDE_A_FREE_SHAFT = 0.5
-# Of a turn at speeds above all modes: eight a crank angle at which shapes are compared.
+# Least steps of a turn at speeds above all modes: eight a crank angle at which shapes are compared.
 LEAST_STEPS = 128
 # Instants in a period of the highest frequency kept: the harmonics of a mode are some orders of the
 # crank around its frequency, and two would be the limit.
@@ -512,7 +512,7 @@ def step_error(moving: VibratingLinkage, modes: SelectedModes, damping: float) -
 
 
 def _round_off(system: SampledPeriodicSystem, modes: SelectedModes) -> FloatArray:
-    """Of the logarithms of a constant system's multipliers, (k,)."""
+    """Round off of the logarithms of a constant system's multipliers, (k,)."""
     matrix = system.matrices(1, 0.0)[0]
     values, left, right = scipy.linalg.eig(matrix, left=True, right=True)
     cosine = np.abs(np.einsum("in,in->n", left.conj(), right))

@@ -72,7 +72,7 @@ def forced_linkage(
     hit, seen : LinkPoint
         Where the force acts, and where the displacement is read.
     direction : {"transverse", "axial"}
-        Of both, in the axes of their links' frames.
+        Direction of both, in the axes of their links' frames.
     connected : ndarray, shape (N, size, size), optional
         Stiffness of loads and springs in the coordinates of the unreduced links.
 
@@ -191,7 +191,7 @@ class ForcedModes:
     damping : tuple of FourierSeries
         What each link's damping adds to the system's matrix (2 m, 2 m).
     force : FourierSeries
-        Of the loads in the states, (2 m,).
+        Force of the loads in the states, (2 m,).
     rows : FourierSeries
         From the states to the readings, (r, 2 m).
     offset : FourierSeries
@@ -250,7 +250,7 @@ class FreeAndForced:
     Parameters
     ----------
     transitions : ndarray, shape (steps, n + 1, n + 1)
-        Of the states and a one, for each step of a turn.
+        Transitions of the states and a one, for each step of a turn.
     rows : ndarray, shape (steps, r, n)
         Readings of the states at the beginning of each step.
     offset : ndarray, shape (steps, r)
@@ -343,7 +343,7 @@ def forced_modes(
     Parameters
     ----------
     engine : Engine
-        Of a mechanism whose links are damped as they shall be for the factor one.
+        Engine of a mechanism whose links are damped as they shall be for the factor one.
     crank_speed : float
         In rad/s; not zero.
     readings : sequence of sequence of ndarray, shape (n_full,), or None

@@ -48,7 +48,7 @@ CONNECTED_SPACING = 0.04
 # For an arm alone, which turns evenly, but whose stress under weight is a cubic spline: fewer
 # positions change its deflections by 3e-7 of their peak.
 LEAST_POSITIONS = 96
-# Of the Lagrange polynomials of degree nine, counted from the position before.
+# Stencil of the Lagrange polynomials of degree nine, counted from the position before.
 STENCIL = np.arange(-4, 6)
 # Coefficients of their powers, one polynomial a column.
 POLYNOMIALS = np.linalg.inv(np.vander(STENCIL.astype(float), increasing=True))
@@ -343,7 +343,7 @@ class StretchMarch:
         Parameters
         ----------
         rows : list of ndarray
-            Of m double steps, with all forces; see :func:`_double_steps`.
+            Rows of m double steps, with all forces; see :func:`_double_steps`.
         start : ndarray, shape (3, n)
 
         Returns

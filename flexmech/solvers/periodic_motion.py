@@ -340,7 +340,7 @@ class NonlinearOrbit:
         Displacement of each link beyond that which is linear in z, by finite poses of rigid links.
     linkage : Linkage
     frames : LinkFrames
-        Of the unreduced links.
+        Frames of the unreduced links.
     residual : float
         Forces out of balance over the inertia forces and weight; each is measured by the root
         of the work that the straight links would do under it.
@@ -350,7 +350,7 @@ class NonlinearOrbit:
         Greatest distance from the quasi-static equilibrium over the greatest displacement of
         the orbit, at stations along the links; nan where there is no such equilibrium.
     passes : int
-        Of Newton's method, in all.
+        Passes of Newton's method, in all.
     """
 
     crank_speed: float
@@ -449,9 +449,9 @@ def nonlinear_orbit(
     crank_speed : float
         In rad/s, not zero.
     near : NonlinearOrbit, optional
-        Of an engine with the same links' coordinates, at a crank speed nearby, from which Newton's
-        method starts; it starts from the quasi-static equilibrium by default, and where it finds
-        nothing from there.
+        Near of an engine with the same links' coordinates, at a crank speed nearby, from which
+        Newton's method starts; it starts from the quasi-static equilibrium by default, and where it
+        finds nothing from there.
 
     Returns
     -------

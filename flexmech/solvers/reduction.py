@@ -35,7 +35,7 @@ SAME = 1e-8
 # Speed alone: coordinates are numbered along the links, and to order them anew takes longer than
 # what the factors are then smaller by.
 ORDER = "NATURAL"
-# Of matrices that are factorized at a time. Memory alone.
+# Most entries of matrices that are factorized at a time. Memory alone.
 MOST_ENTRIES = 40_000
 
 
@@ -46,11 +46,11 @@ class Pencil:
     Parameters
     ----------
     rows : ndarray of int, shape (k,)
-        Of the entries, column by column.
+        Rows of the entries, column by column.
     starts : ndarray of int, shape (n + 1,)
         Where each column begins among the entries.
     entries : ndarray, shape (3, k)
-        Of M, C and K.
+        Entries of M, C and K.
     """
 
     rows: NDArray[np.intc]
@@ -105,7 +105,7 @@ def ritz_values(
     Parameters
     ----------
     pencils : sequence of Pencil
-        Of B positions, n coordinates each.
+        Pencils of B positions, n coordinates each.
     shapes : ndarray, shape (B, n, m)
         To begin with, by ascending frequency.
     rigid : bool
@@ -143,7 +143,7 @@ def responding_values(
     response : StaticResponse
         In B positions.
     masses : sequence of ndarray, shape (..., n_link, n_link)
-        Of the links.
+        Masses of the links.
     shapes : sequence of ndarray, shape (B, n_link, m)
         To begin with, in the links' coordinates.
 
@@ -191,7 +191,7 @@ def projected_values(
     pencil : LinkPencil
         In B positions.
     response : StaticResponse
-        Of straight links in these positions.
+        Response of straight links in these positions.
     eigenvalues : ndarray, shape (B, m)
         To begin with, in rad/s.
     shapes : ndarray, shape (B, size, m)
@@ -266,7 +266,7 @@ def newton_values(
     Parameters
     ----------
     pencils : sequence of Pencil
-        Of B positions, n coordinates each.
+        Pencils of B positions, n coordinates each.
     eigenvalues : ndarray, shape (B, m)
         To begin with, in rad/s.
     shapes : ndarray, shape (B, n, m)
@@ -339,7 +339,7 @@ SUSPICIOUS = REDUCTION_TOLERANCE / 2
 DETAILS = (1.0, 1.25, 2.0, GREAT_DETAIL, 2 * GREAT_DETAIL, 4 * GREAT_DETAIL)
 # Steps of Newton's method to an unreduced eigenvalue: it converges in three or four.
 MOST_STEPS = 8
-# Of dense unreduced matrices of one kind in memory at a time. Memory alone.
+# Matrix bytes of dense unreduced matrices of one kind in memory at a time. Memory alone.
 MATRIX_BYTES = 4_000_000
 
 
@@ -385,7 +385,7 @@ class CheckedModes:
     modes : Modes
         The modes asked for and spare ones.
     reduction_error : ModeErrors
-        Of the modes asked for.
+        Reduction error of the modes asked for.
     """
 
     systems: Systems
@@ -518,7 +518,7 @@ class UnreducedPositions:
     Parameters
     ----------
     systems : Systems
-        Of the engine, which may reduce its links.
+        Systems of the engine, which may reduce its links.
     crank_angle, crank_speed : ndarray, shape (B,)
     stressed : StressedLinks
         In these positions.
@@ -588,7 +588,7 @@ class UnreducedPositions:
 
     @cached_property
     def _every(self) -> list[Pencil]:
-        """Of few positions, which are asked for once for each detail."""
+        """Every of few positions, which are asked for once for each detail."""
         return self._at(slice(None))
 
     def _at(self, part: slice) -> list[Pencil]:
@@ -615,7 +615,7 @@ def reduction_error(
     reduced : LinearSystem
         In these positions.
     modes : Modes
-        Of ``reduced``; m of them.
+        Modes of ``reduced``; m of them.
 
     Returns
     -------

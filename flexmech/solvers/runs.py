@@ -278,7 +278,7 @@ def step_lag(angle: float, *, stretches: bool) -> float:
     Parameters
     ----------
     angle : float
-        Of the vibration in one step, in rad.
+        Angle of the vibration in one step, in rad.
     stretches : bool
         Whether the method is that of links that stretch.
 

@@ -57,17 +57,18 @@ class SampledTurn:
     damping_stiffness : list of ndarray, shape (N, n_link, n_link)
         Derivative of the damping forces of each by its displacement; empty about a state at rest.
     frames : LinkFrames
-        Of the reduced links.
+        Frames of the reduced links.
     crank_speed : float
         In rad/s.
     rigid_modes : int
         How many of the natural modes, the first ones, deform nothing: that of a free shaft.
     connected : ConnectedMatrices or None
-        Of springs, loads and guides, and of dampers of a frame on springs; None without them.
+        Connected of springs, loads and guides, and of dampers of a frame on springs; None without
+        them.
     displaced : RigidMotion
         The motion whose rigid links are where their stress has turned them.
     turns : list of list of ndarray, shape (N,), or None
-        Of bodies on the links; see :func:`flexmech.mechanics.body_turns`.
+        Turns of bodies on the links; see :func:`flexmech.mechanics.body_turns`.
     carried : CarriedLinkage or None
         With the frame on springs that carries the linkage: its three coordinates are the last.
     """

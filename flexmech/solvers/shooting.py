@@ -211,7 +211,7 @@ def _affine_map(end: VibrationState) -> tuple[FloatArray, FloatArray]:
     Parameters
     ----------
     end : VibrationState
-        Of the last block of :func:`_all_motions`.
+        End of the last block of :func:`_all_motions`.
 
     Returns
     -------

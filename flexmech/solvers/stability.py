@@ -68,7 +68,7 @@ class BranchShapes:
     shape : ndarray of complex, shape (angles, N, k)
         Two modes a branch: that which turns forward, and its conjugate.
     frequency : ndarray, shape (k,)
-        Of the largest harmonic in Hz, negative of those that turn backward.
+        Frequency of the largest harmonic in Hz, negative of those that turn backward.
     """
 
     shape: NDArray[np.complex64]
@@ -219,8 +219,8 @@ def _by_frequency(modes: SelectedModes) -> IntArray:
     return np.asarray(forward[order].ravel(), dtype=np.intp)
 
 
-# Of polynomials in the square of the crank speed, which the inertia forces are in proportion to:
-# more of them would make more of what each equilibrium is off by.
+# Most speeds of polynomials in the square of the crank speed, which the inertia forces are in
+# proportion to: more of them would make more of what each equilibrium is off by.
 MOST_SPEEDS = 3
 
 
@@ -233,7 +233,8 @@ class KnownEquilibria:
     Parameters
     ----------
     displacement : dict of float to sequence of ndarray, shape (N, n_link)
-        Of each link, by the crank speed; at any number N of evenly spaced crank angles.
+        Displacement of each link, by the crank speed; at any number N of evenly spaced crank
+        angles.
     """
 
     displacement: dict[float, Sequence[FloatArray]] = field(default_factory=dict)
@@ -378,8 +379,8 @@ class SolvedSpeed:
         Change of the logarithm of each multiplier, modulus and angle together, when the steps
         are halved in number; of a constant system what round-off puts it off.
     krein_signature : ndarray, shape (k,)
-        Of the mode that is most like each of them, of the linkage without damping and without
-        follower forces.
+        Krein signature of the mode that is most like each of them, of the linkage without damping
+        and without follower forces.
     moving_modes : int
         Number of moving modes.
     is_definite : bool
@@ -427,7 +428,7 @@ class LinkageSolver:
     larger : int
         How many times a larger number of moving modes is taken than is needed.
     frame : {"link", "inertial"}
-        Of the coordinates whose rates are taken.
+        Frame of the coordinates whose rates are taken.
     windows : tuple of SpeedWindow
         In which the linkage is interpolated.
     orbit_engine : Engine, optional

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 # Published numbers have at most five.
 _DIGITS = 6
 VERDICTS = ("passed", "failed", "skipped")
-"""Of cases."""
+"""Verdicts of cases."""
 _FARTHEST = "of each case the number that is farthest off; verification.csv has all of them"
 
 
@@ -151,7 +151,7 @@ class Verification(Result):
         ``quantity``, ``unit``, ``deviation_kind``, ``tolerance``, ``verdict`` (passed, failed or
         skipped) and ``reason``, which says why nothing was compared.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "verification"

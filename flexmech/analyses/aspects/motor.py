@@ -19,7 +19,8 @@ from flexmech.mechanism import Mechanism
 
 # Relative error of the rigid linkage's motion under a motor: below all digits that are printed.
 _TOLD = 1e-6
-# Of a peak over a settled turn: samples half a degree apart miss as much of its tenth harmonic.
+# Between of a peak over a settled turn: samples half a degree apart miss as much of its tenth
+# harmonic.
 _BETWEEN = 1e-3
 # By which a run of one turn may lack of it, once elastic links have moved the shaft.
 _A_TURN = 1e-3
@@ -109,7 +110,7 @@ def motor_values(run: MotorRun, given: MotorOutput, speed: FloatArray) -> dict[s
     given : MotorOutput
         Arrays of shape (N,).
     speed : ndarray, shape (N,)
-        Of its rotor over the gear ratio, in rad/s.
+        Speed of its rotor over the gear ratio, in rad/s.
 
     Returns
     -------

@@ -13,11 +13,11 @@ from flexmech.mechanism import Mechanism
 from flexmech.validation import check_pair
 
 MOST_ORDER = 10
-"""Of harmonics: orders of the crank angle from zero to this one."""
+"""Most order of harmonics: orders of the crank angle from zero to this one."""
 
 _PARTS = ("shaking_force", "shaking_moment")
 _MM = 1e3
-# Of the greatest order: less is not told in a line, and stands in the table.
+# Shown of the greatest order: less is not told in a line, and stands in the table.
 _SHOWN = 1e-3
 
 
@@ -85,7 +85,7 @@ def shaking_of(
     mechanism : Mechanism
         Whose springs to the ground count.
     forces : InverseDynamics
-        Of the mechanism.
+        Forces of the mechanism.
     point : tuple of float, optional
         About which the moment is taken, m; the shaft's axis if left out.
     shaft : float or ndarray, shape (...)

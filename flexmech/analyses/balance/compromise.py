@@ -34,7 +34,7 @@ class Counterweight:
     ----------
     link : TurningLink
     length : float
-        Of the link in m.
+        Length of the link in m.
     mass : float
         In kg.
     radius : float
@@ -127,7 +127,7 @@ def balanced(mechanism: Mechanism, weights: Sequence[Counterweight]) -> Mechanis
 _FEATURES = 3
 # Parts of the full force balance from which the search starts.
 _STARTS = (1.0, 0.5, 0.1)
-# Of the weighed sum as given: counterweights that do not gain more are left out.
+# Gain of the weighed sum as given: counterweights that do not gain more are left out.
 _GAIN = 1e-9
 # Relative change of the sum, and slope of it over the scale of the moments, that end the search.
 _GRADIENT = 1e-12
@@ -239,7 +239,7 @@ class WeighedSum:
         links : sequence of (TurningLink, float, float)
             Each with its length and the radius of its counterweight in m.
         weights : sequence of float
-            Of force, moment and torque.
+            Weights of force, moment and torque.
         point : tuple of float or None
             About which the shaking moment is taken, m.
 
@@ -322,7 +322,7 @@ def least_moments(weighed: WeighedSum, full: Sequence[complex]) -> list[complex]
     ----------
     weighed : WeighedSum
     full : sequence of complex
-        Of full force balance, from parts of which the search starts; zero where there is none.
+        Full of full force balance, from parts of which the search starts; zero where there is none.
 
     Returns
     -------

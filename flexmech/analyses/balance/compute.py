@@ -47,10 +47,10 @@ if TYPE_CHECKING:
 
 
 STATES = ("as given", "balanced")
-"""Of the linkage, along the dimension ``state``."""
+"""States of the linkage, along the dimension ``state``."""
 
 SCHEMA = schema_of(__package__)
-# Of a turn whose harmonics are told.
+# Steps of a turn whose harmonics are told.
 _STEPS = 720
 _TURN = 2 * np.pi
 
@@ -142,7 +142,7 @@ def elastic_variables(found: Sequence[ElasticShaking]) -> xr.Dataset:
     Parameters
     ----------
     found : sequence of ElasticShaking
-        Of each state.
+        Elastic shaking of each state.
 
     Returns
     -------
@@ -173,7 +173,7 @@ class Balance(Result):
         links; loads before and after over ``state`` ("as given", "balanced"). The attribute
         ``balanced_model`` is the model file with the counterweights.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "balance"
@@ -255,8 +255,8 @@ def _table(weight: Counterweight) -> str:
     return "\n".join([f"\n[[links.{key}.bodies]]", *rows, ""])
 
 
-# Of a first moment, over masses times lengths: the last bits of sums of ten numbers. What is left
-# out so does not shake the frame by more than the round-off of joint forces.
+# Noise of a first moment, over masses times lengths: the last bits of sums of ten numbers. What is
+# left out so does not shake the frame by more than the round-off of joint forces.
 _NOISE = 1e-15
 # And of one that is searched for: the sum that is weighed is flat about its least value.
 _SEARCHED = 1e-8

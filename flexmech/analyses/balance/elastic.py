@@ -26,7 +26,7 @@ from flexmech.mechanism import Mechanism
 # the links respond quasi-statically, and so many steps between two samples suffice; speed alone: a
 # step that resolves all frequencies, as it is chosen otherwise, takes minutes there.
 _SAMPLES, _SLOW, _STEPS = 360, 100.0, 6
-# Of the first natural frequency, which is sought between them.
+# Angles of the first natural frequency, which is sought between them.
 _ANGLES = 12
 _PEAKS = {"force": "peak_joint_force", "torque": "peak_driving_torque"}
 
@@ -72,7 +72,7 @@ def elastic_shaking(
     ----------
     mechanism : Mechanism
     speed : float
-        Of the crank in rad/s.
+        Speed of the crank in rad/s.
     point : tuple of float or None
         About which the moment is taken, m.
 
@@ -181,7 +181,7 @@ def elastic_peaks(found: Sequence[ElasticShaking]) -> xr.Dataset:
     Parameters
     ----------
     found : sequence of ElasticShaking
-        Of each state.
+        Elastic shaking of each state.
 
     Returns
     -------

@@ -67,7 +67,7 @@ def summary_of(data: xr.Dataset) -> Summary:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a ``Balance`` result.
+        Data of a ``Balance`` result.
 
     Returns
     -------

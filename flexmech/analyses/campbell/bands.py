@@ -32,8 +32,9 @@ from flexmech.errors import ComputationError
 from flexmech.mechanics import RefusedPositionsError
 from flexmech.solvers.formulation import Systems
 
-# Of a turn at a speed in doubt, every so many crank angles are tried first: what has no equilibrium
-# has none over a part of the turn, which twelve of 72 angles find for a sixth of the cost.
+# Probe every of a turn at a speed in doubt, every so many crank angles are tried first: what has no
+# equilibrium has none over a part of the turn, which twelve of 72 angles find for a sixth of the
+# cost.
 PROBE_EVERY = 6
 # Crank angles at which speeds are tried, once one has failed there: each failure adds two at most.
 MOST_PROBES = 3

@@ -66,7 +66,7 @@ class CampbellDiagram(Result):
         crank_speed, branch), not a number where there is no solution; ``critical_...`` over
         ``critical`` and ``gap_...`` over ``gap``.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "campbell"

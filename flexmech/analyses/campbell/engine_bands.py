@@ -291,7 +291,7 @@ class KrylovSpace(NamedTuple):
     block : int
         Vectors to begin with.
     powers : int
-        Of ``K^-1 M``, from the first on.
+        Powers of ``K^-1 M``, from the first on.
     damped : int
         Powers that are taken times ``K^-1 C`` besides.
     """
@@ -450,7 +450,7 @@ class EngineDiagram:
         With the elements that it has needed.
     sampled : SampledBands
     places : ndarray of int, shape (S,)
-        Of the crank speeds asked for on the grid of ``sampled``.
+        Places of the crank speeds asked for on the grid of ``sampled``.
     critical : list of CriticalSpeed
     gaps : list of Gap
     mesh_error : ndarray, shape (c, m)

@@ -82,7 +82,7 @@ class ModelCheck(Result):
         (link, station, component), ``joint_position`` (joint, component) and masses, over the turn
         ``path`` and ``transmission_angle``, and the layers of the sections.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "check"
@@ -260,8 +260,8 @@ def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None
     engine : Engine or Mechanism
         It computes the frequencies; of a mechanism the reference engine is made.
     crank_angle : float, optional
-        Of the frequencies and of the posture that is drawn, in rad. Left out: frequencies at 0,
-        and a posture in which the links stand apart.
+        Crank angle of the frequencies and of the posture that is drawn, in rad. Left out:
+        frequencies at 0, and a posture in which the links stand apart.
 
     Returns
     -------
@@ -365,7 +365,7 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
     ----------
     mechanism : Mechanism
     crank_angle : float
-        Of the posture in rad.
+        Crank angle of the posture in rad.
 
     Returns
     -------

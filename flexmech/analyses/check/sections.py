@@ -31,7 +31,7 @@ class Property(NamedTuple):
     Parameters
     ----------
     name : str
-        Of the variable in datasets.
+        Name of the variable in datasets.
     unit : str
         SI unit.
     column : str

@@ -93,7 +93,7 @@ class Comparison(Result):
         ``standard_error``, ``lower``, ``upper`` and ``correlation`` over parameter. Over time also
         ``periodic``, the part that the linkage drives by itself, and ``spectrum`` of the curves.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "comparison"
@@ -197,7 +197,7 @@ def compare_with_record(
     Parameters
     ----------
     engine : Engine or Mechanism
-        Of a mechanism the reference engine is made.
+        A mechanism gets the reference engine.
     record : MeasuredRecord or path-like
         In SI units; or a CSV or universal file.
     request : ComparisonRequest, optional

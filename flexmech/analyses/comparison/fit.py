@@ -26,19 +26,20 @@ import scipy.stats
 from flexmech.arrays import FloatArray, StepProgress
 from flexmech.errors import ComputationError
 
-# Of the intervals, as laboratories state them.
+# Confidence of the intervals, as laboratories state them.
 _CONFIDENCE = 0.95
 # Orders among which the autoregressive process is chosen: at most this part of the samples, so that
 # each coefficient is known to a third or better.
 _MOST_ORDER = 40
 _SAMPLES_AN_ORDER = 8
-# Of a parameter's scale: step of the central differences, whose error is far below noise.
+# Difference of a parameter's scale: step of the central differences, whose error is far below
+# noise.
 _DIFFERENCE = 1e-4
 # Up to which progress counts; a fit of a few parameters takes fewer.
 _MOST_EVALUATIONS = 100
 # Relative step of the scaled parameters at which a fit ends: of an answer, and of a start.
 _EXACTLY, _ROUGHLY = 1e-10, 1e-3
-# Of the slopes, each divided by its size, beyond which parameters do the same.
+# Most condition of the slopes, each divided by its size, beyond which parameters do the same.
 _MOST_CONDITION = 1e6
 # At which the spectrum of an autoregressive process is added up: peaks of modes with a damping of
 # 0.5 %, at forty samples a period, are drawn by four.
@@ -109,7 +110,7 @@ class Fit:
     unexplained : float
         Variance of the residual over that of the record.
     order : int
-        Of the autoregressive process that the residual looks like; 0 for white noise.
+        Order of the autoregressive process that the residual looks like; 0 for white noise.
     widened : float
         How many times wider the widest-grown interval is than for white noise.
     """

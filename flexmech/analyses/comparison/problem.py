@@ -244,7 +244,7 @@ class LinearTerms:
         Parameters
         ----------
         names : sequence of str
-            Of the factors that are free.
+            Names of the factors that are free.
         factors : mapping of str to float
             The others.
         record : ndarray, shape (N,)
@@ -270,13 +270,13 @@ class RecordProblem(ABC):
     Parameters
     ----------
     engine : Engine
-        Of the mechanism as its model says.
+        Engine of the mechanism as its model says.
     record : ndarray, shape (N,)
         Real, or complex for a frequency-response function.
     names : tuple of str
-        Of what is fitted.
+        Names of what is fitted.
     column : str
-        Of the record.
+        Column of the record.
     unit : str
         SI unit of the record; empty for a ratio.
     quantity : str
@@ -468,10 +468,10 @@ def rows_taken_at(
     own : ndarray, shape (N,)
         Where each row was taken, as messages name it.
     asked : float
-        Of the request, as messages name it.
+        Asked of the request, as messages name it.
     option : {"speed", "angle"}
     unit : str
-        Of both, for messages.
+        Unit of both, for messages.
 
     Returns
     -------

@@ -63,7 +63,7 @@ class CouplerPaths(Result):
         crossings and cusps over ``double_point``; ``close_up`` of every path around the loops of
         any, and the places that are ``framed`` by it.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "coupler_curve"

@@ -55,7 +55,7 @@ def engine_agreement(dataset: xr.Dataset) -> EngineAgreement | None:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a map in one state.
+        Dataset of a map in one state.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a map in one state.
+        Dataset of a map in one state.
 
     Returns
     -------
@@ -123,7 +123,7 @@ def verdict(dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a map in one state.
+        Dataset of a map in one state.
     effect : xarray.DataArray or None
         How much vibration moves its frequencies, where running states were asked for.
 
@@ -201,7 +201,7 @@ def percent_range(values: xr.DataArray, error: float) -> str:
     values : xarray.DataArray
         Relative changes.
     error : float
-        Of each of them, relative too; not a number where none is known.
+        Error of each of them, relative too; not a number where none is known.
 
     Returns
     -------
@@ -231,7 +231,7 @@ def speed_change(dataset: xr.Dataset, slow: int, fast: int) -> str:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of the map in one state.
+        Dataset of the map in one state.
     slow, fast : int
         Numbers of the crank speeds.
 
@@ -315,11 +315,12 @@ def answer(
     extremes : xarray.Dataset
         As :func:`flexmech.analyses.frequencies.words.extremes_table` takes them.
     dataset : xarray.Dataset
-        Of the map in one state.
+        Dataset of the map in one state.
     change : xarray.DataArray or None
         Relative change by heat and moisture, over (engine, crank_speed, crank_angle, mode).
     error : xarray.DataArray or None
-        Of the change: relative, of frequencies in both states, over (engine, crank_speed, mode).
+        Error of the change: relative, of frequencies in both states, over (engine, crank_speed,
+        mode).
 
     Returns
     -------
@@ -408,7 +409,7 @@ def trust(dataset: xr.Dataset) -> str:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of the map in one state.
+        Dataset of the map in one state.
 
     Returns
     -------
@@ -425,7 +426,7 @@ def disagreement(dataset: xr.Dataset, effect: xr.DataArray | None) -> tuple[str,
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of the map in one state.
+        Dataset of the map in one state.
     effect : xarray.DataArray or None
         How much vibration moves frequencies, where running states were asked for.
 

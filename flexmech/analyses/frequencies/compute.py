@@ -199,8 +199,8 @@ def moving_frequencies(
         Also solve between the crank angles, with the first engine, where a line through them
         would show corners; not with ``trajectory``.
     shaft : {"prescribed", "free"}, optional
-        Of all engines: whether the shaft turns as prescribed, or its rotation against that is one
-        more coordinate. Left out: that of the engines.
+        Shaft of all engines: whether the shaft turns as prescribed, or its rotation against that is
+        one more coordinate. Left out: that of the engines.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
 
@@ -281,7 +281,7 @@ def _dry_and_in(
 
 
 def _finer(one: Engine, other: Engine) -> str:
-    """Of two like engines' elements, the one whose beam theory leaves out less."""
+    """Finer of two like engines' elements, the one whose beam theory leaves out less."""
     return max((one.element, other.element), key=one.element_kinds.index)
 
 

@@ -23,7 +23,7 @@ def told(dataset: xr.Dataset) -> tuple[str, ...]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of the map in one state.
+        Dataset of the map in one state.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def error_of_damping(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of the map in one state.
+        Dataset of the map in one state.
     variable : {"damping_ratio", "strain_energy_damping"}
 
     Returns
@@ -66,7 +66,7 @@ def damping_range(dataset: xr.Dataset, variable: str) -> xr.Dataset:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of the map in one state.
+        Dataset of the map in one state.
     variable : {"damping_ratio", "strain_energy_damping"}
 
     Returns
@@ -105,7 +105,7 @@ def cells(dataset: xr.Dataset, engine: str, speed: float, mode: int, *, both: bo
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of the map in one state.
+        Dataset of the map in one state.
     engine : str
     speed : float
         Crank speed in rad/s.
@@ -142,7 +142,7 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of the map in one state.
+        Dataset of the map in one state.
 
     Returns
     -------

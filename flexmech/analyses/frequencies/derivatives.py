@@ -55,10 +55,10 @@ def frequency_derivatives(
     Parameters
     ----------
     engine : Engine or Mechanism
-        Of a mechanism the reference engine is made.
+        A mechanism gets the reference engine.
     keys : sequence of str
-        Of the model file, such as ``"links.coupler.in_plane_thickness"``, or ``"damping-ratio"``,
-        ``"moisture"``, ``"temperature-rise"``.
+        Keys of the model file, such as ``"links.coupler.in_plane_thickness"``, or
+        ``"damping-ratio"``, ``"moisture"``, ``"temperature-rise"``.
     crank_angle, crank_speed : array_like
         rad and rad/s; broadcast against each other to shape (...).
     modes : int, optional

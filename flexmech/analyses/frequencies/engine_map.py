@@ -58,7 +58,7 @@ def drawn_between(
     Parameters
     ----------
     systems : sequence of Systems
-        Of each crank speed.
+        Systems of each crank speed.
     request : FrequencyRequest
         Its ``smooth`` may name the crank angles.
     found : xarray.Dataset
@@ -173,7 +173,7 @@ def shapes_asked_for(systems: Sequence[Systems], request: FrequencyRequest) -> x
     Parameters
     ----------
     systems : sequence of Systems
-        Of each crank speed.
+        Systems of each crank speed.
     request : FrequencyRequest
 
     Returns
@@ -240,7 +240,7 @@ class EngineMap:
     Parameters
     ----------
     systems : tuple of Systems
-        Of each speed, with as many component modes as it has needed.
+        Systems of each speed, with as many component modes as it has needed.
     dataset : xarray.Dataset
         Over (crank_speed, crank_angle, mode), errors and shapes over (crank_speed, check_angle,
         mode); its dimensions are without coordinates but for the branches.
@@ -296,7 +296,7 @@ class _CheckedSpeed:
     systems : Systems
         With as many component modes as they need.
     shapes : ndarray, shape (c, m, n_links, n_stations, 2)
-        Of the modes asked for and spare ones.
+        Shapes of the modes asked for and spare ones.
     reduction_error : ModeErrors
     mesh_error : ModeErrors
     """

@@ -44,7 +44,7 @@ class PredictedMinimum(NamedTuple):
     at : ndarray, shape (b,)
         Where to try: at the minimum, or a little beside the middle node where it is nearer to that.
     value : ndarray, shape (b,)
-        Of the quartic there.
+        Value of the quartic there.
     remainder : ndarray, shape (b,)
         By how much the quartic is lower at its minimum than at the trial and at the middle node.
     reach : ndarray, shape (b,)

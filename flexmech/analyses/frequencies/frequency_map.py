@@ -94,7 +94,7 @@ def speed_effect_terms(
     Parameters
     ----------
     systems : sequence of Systems
-        Of each crank speed.
+        Systems of each crank speed.
     request : FrequencyRequest
         Terms that it leaves out are left out here.
     report : callable

@@ -87,7 +87,7 @@ class StrainEnergyDamping:
         system : LinearSystem
             Batch of B positions, reduced or not.
         modes : Modes
-            Of the system.
+            Modes of the system.
         prestress : {"none", "axial", "equilibrium"}
             As the system's.
         running : sequence of ndarray, shape (B, n_link), optional

@@ -38,7 +38,7 @@ def natural_frequencies(
     Parameters
     ----------
     engine : Engine or Mechanism
-        Of a mechanism the reference engine is made.
+        A mechanism gets the reference engine.
     crank_angle, crank_speed : array_like
         rad and rad/s; broadcast against each other to shape (...).
     modes : int, optional
@@ -184,7 +184,7 @@ def strain_energy_damping(
     Parameters
     ----------
     engine : Engine or Mechanism
-        Of a mechanism the reference engine is made.
+        A mechanism gets the reference engine.
     crank_angle, crank_speed : array_like
         rad and rad/s; broadcast against each other to shape (...).
     modes : int, optional

@@ -58,7 +58,7 @@ class MovingFrequencies(Result):
         before these where the mechanism was computed dry and in an environment. Further
         variables and all units are in the dataset itself.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "frequencies"

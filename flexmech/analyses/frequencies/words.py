@@ -15,9 +15,9 @@ from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.summary import Table, speed_text
 from flexmech.plots.reading import speed_unit
 
-# Of a frequency in Hz: more are not known of any model, however fine its mesh is.
+# Most decimals of a frequency in Hz: more are not known of any model, however fine its mesh is.
 MOST_DECIMALS = 6
-# Of frequencies in the table.
+# Most digits of frequencies in the table.
 _MOST_DIGITS = 8
 # Frequency in Hz below which the free shaft's mode is a rigid one: at rest it is zero but for the
 # root of round-off, and what takes a quarter of an hour is no vibration.
@@ -38,7 +38,7 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
         ``lowest``, ``lowest_angle``, ``highest``, ``highest_angle`` over (engine,
         crank_speed, mode); Hz and rad.
     dataset : xarray.Dataset
-        Of the map, with the errors.
+        Dataset of the map, with the errors.
     title : str
 
     Returns
@@ -195,7 +195,7 @@ def shaft_kind(dataset: xr.Dataset) -> xr.DataArray:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a map whose shaft is free.
+        Dataset of a map whose shaft is free.
 
     Returns
     -------

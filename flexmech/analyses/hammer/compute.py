@@ -55,7 +55,7 @@ class HammerTest(Result):
         where a mode was not identified or an angle has fewer in the band; ``..._error`` are
         standard errors of what was identified, by noise.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "hammer"

@@ -188,7 +188,7 @@ def unwarped(records: FloatArray, sampling_rate: float, step: float) -> FloatArr
     sampling_rate : float
         In Hz.
     step : float
-        Of the rule in s.
+        Step of the rule in s.
 
     Returns
     -------
@@ -219,9 +219,9 @@ class GridShapes:
     shape : ndarray of complex, shape (P, k)
         Identified; the point that moves most has 1. Not a number for modes that were not found.
     eigen_shape : ndarray of complex, shape (P, k)
-        Of the eigen model, scaled to the identified one.
+        Eigen shape of the eigen model, scaled to the identified one.
     mac : ndarray, shape (k,)
-        Of both.
+        Mac of both.
     complexity_factor, eigen_complexity_factor : ndarray, shape (k,)
     """
 
@@ -311,7 +311,7 @@ class Measurement:
     direct_difference : float
         Greatest difference of the direct solution from ``exact`` over the peak.
     poles : ndarray of complex, shape (k,)
-        Of the eigen model in the band.
+        Poles of the eigen model in the band.
     modes : IdentifiedModes
         In the order of ``poles``; the first row of residues is that of the impact point, then
         those of the grid.
@@ -360,7 +360,7 @@ def measured(
     plan : RecordPlan
     request : HammerRequest
     number : int
-        Of the crank angle, for its noise.
+        Number of the crank angle, for its noise.
     report : callable
         Shows the progress.
 

@@ -21,7 +21,7 @@ from flexmech.modal_testing import ExponentialWindow, ForceWindow
 
 # Unreduced systems beyond so many coordinates take longer than their last digits are worth.
 _MOST_COORDINATES = 400
-# Of the component modes that are taken instead: those of links up to eight times the usual
+# Detail of the component modes that are taken instead: those of links up to eight times the usual
 # frequency.
 _DETAIL = 8.0
 # A mode of a lesser damping ratio never decays: it is round-off.
@@ -36,7 +36,7 @@ class LockedLinkage:
     ----------
     engine : Engine
     angle : float
-        Of the crank in rad.
+        Angle of the crank in rad.
     prestress : {"none", "axial", "equilibrium"}
     system : LinearSystem
         At that position alone.
@@ -176,12 +176,12 @@ class LockedLinkage:
 _ABOVE_MODES = 1.25
 # Sampling rate over bandwidth, as analysers have it: the anti-aliasing filter falls between.
 _SAMPLES_A_HERTZ = 2.56
-# Of the slowest vibration at the end of a record, its exponential window included: what is cut off
-# there is below the noise of a good test.
+# Left of the slowest vibration at the end of a record, its exponential window included: what is cut
+# off there is below the noise of a good test.
 LEFT = 1e-4
 # Spectral lines of a record: analysers have twice as many from setting to setting.
 _FEWEST_LINES, _MOST_LINES = 200, 6400
-# Of a given duration: 50 spectral lines, with which a fit can begin.
+# Least samples of a given duration: 50 spectral lines, with which a fit can begin.
 _LEAST_SAMPLES = 128
 # In periods of the bandwidth: silence before the pulse, and the ringing of the filter after it.
 _BEFORE, _AFTER, _TAPER = 6.25, 6.0, 2.0
@@ -210,9 +210,9 @@ class RecordPlan:
     pulse : HalfSinePulse
         With the silence before it.
     sampling_rate : float
-        Of the records in Hz.
+        Sampling rate of the records in Hz.
     samples : int
-        Of a record.
+        Samples of a record.
     oversampling : int
         Steps of the transient a sample.
     window : ExponentialWindow or None
@@ -227,17 +227,17 @@ class RecordPlan:
 
     @property
     def duration(self) -> float:
-        """Of a record in s."""
+        """Duration of a record in s."""
         return self.samples / self.sampling_rate
 
     @property
     def time(self) -> FloatArray:
-        """Of a record's samples in s, shape (N,)."""
+        """Time of a record's samples in s, shape (N,)."""
         return np.asarray(np.arange(self.samples) / self.sampling_rate)
 
     @property
     def step(self) -> float:
-        """Of the transient in s."""
+        """Step of the transient in s."""
         return 1 / (self.sampling_rate * self.oversampling)
 
     @property

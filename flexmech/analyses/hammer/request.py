@@ -53,27 +53,27 @@ class HammerRequest:
     impact, response : LinkPoint
         Where the hammer hits and where the vibrometer looks.
     direction : {"transverse", "axial"}
-        Of force and displacement, in the frame of each point's rigid link.
+        Direction of force and displacement, in the frame of each point's rigid link.
     averages : int
         Impacts over which spectra are averaged.
     bandwidth : float, optional
         Greatest frequency in Hz. Left out: a quarter above the highest of ``modes`` natural
         frequencies at any of the angles, or what the pulse given excites if that is less.
     duration : float, optional
-        Of a record in s. Left out: until the vibration has decayed to 1e-4.
+        Duration of a record in s. Left out: until the vibration has decayed to 1e-4.
     pulse : float, optional
         Duration of the half-sine pulse in s. Left out: one over the bandwidth, at which the
         pulse's spectrum has fallen by 9.5 dB.
     noise : float
         Root mean square of noise in force and response over that of the signal.
     seed : int
-        Of the noise.
+        Seed of the noise.
     prestress : {"none", "axial", "equilibrium"}
         Stress of the links at rest, by their weight.
     modes : int
         Natural frequencies by which the bandwidth is chosen.
     method : {"lscf", "circle-fit"}, optional
-        Of the identification. Left out: LSCF if its package is installed.
+        Method of the identification. Left out: LSCF if its package is installed.
     grid : int, optional
         Points on each link to rove the impact over, for mode shapes.
 
@@ -139,7 +139,7 @@ class RunningHammerRequest:
     impact, response : LinkPoint
         Where the force acts, and where the displacement is read; the middle of the coupler.
     direction : {"transverse", "axial"}
-        Of both, in the axes of their links' rigid frames.
+        Direction of both, in the axes of their links' rigid frames.
     prestress : {"none", "axial", "equilibrium"}
         Stress of the running links.
     damping_ratio : float, optional
@@ -151,8 +151,8 @@ class RunningHammerRequest:
         Highest frequency of the force in Hz. Left out: twice the first natural frequency at
         rest, averaged over the turn.
     duration : float, optional
-        Of a record in s, made longer to a whole number of turns: one over the distance of two
-        frequencies. Left out: until an impact has decayed to 1e-4.
+        Duration of a record in s, made longer to a whole number of turns: one over the distance of
+        two frequencies. Left out: until an impact has decayed to 1e-4.
     speed_unit : str, optional
         Unit of the crank speed, such as ``"rpm"``, in which results speak of it. Left out: rad/s.
 

@@ -40,7 +40,7 @@ def link_places(engine: Engine, angles: FloatArray) -> Values:
     ----------
     engine : Engine
     angles : ndarray, shape (A,)
-        Of the crank in rad.
+        Angles of the crank in rad.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def uff_contents(dataset: xr.Dataset) -> dict[str, UffFile]:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``HammerTest``.
+        Dataset of a ``HammerTest``.
 
     Returns
     -------

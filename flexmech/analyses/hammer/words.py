@@ -21,7 +21,7 @@ def hammer_summary(dataset: xr.Dataset) -> Summary:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a ``HammerTest``.
+        Dataset of a ``HammerTest``.
 
     Returns
     -------

@@ -39,7 +39,8 @@ from flexmech.linkages import (
 from flexmech.mechanics import Engine, checked_mechanism
 from flexmech.mechanism import Mechanism, with_motor_run
 
-# Of a turn whose harmonics are told: orders alias into them from those beyond 700 alone.
+# Harmonic steps of a turn whose harmonics are told: orders alias into them from those beyond 700
+# alone.
 _HARMONIC_STEPS = 720
 # Of a move with its dwell, or of a turn after a run-up; and of a whole law.
 _STEPS_OF_A_CYCLE, _MOST_STEPS = 720, 20_000
@@ -57,7 +58,7 @@ def kinematics(mechanism: Mechanism | Engine, request: KinematicsRequest) -> Kin
     Parameters
     ----------
     mechanism : Mechanism or Engine
-        Of an engine its mechanism counts.
+        A mechanism, or an engine, whose mechanism counts.
 
     Returns
     -------

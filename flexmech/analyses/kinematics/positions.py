@@ -49,7 +49,7 @@ def values_of(
     point : tuple of float, optional
         About which the shaking moment is taken, m.
     shaft_torque : float or ndarray, shape (A,)
-        Of the drive on the shaft itself, N m.
+        Shaft torque of the drive on the shaft itself, N m.
 
     Returns
     -------
@@ -117,7 +117,7 @@ def of_lumps(mechanism: Mechanism, forces: InverseDynamics, elements: Sequence[i
     forces : InverseDynamics
         In positions (A,).
     elements : sequence of int
-        Of each link.
+        Elements of each link.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def of_lumps(mechanism: Mechanism, forces: InverseDynamics, elements: Sequence[i
 
 
 def _acceleration(motion: RigidMotion, link: int, x: float, y: float) -> FloatArray:
-    """Of a point of a link; shape (..., 2)."""
+    """Acceleration of a point of a link; shape (..., 2)."""
     quarter = motion.acceleration(link, x)
     if not y:
         return quarter
@@ -285,7 +285,7 @@ def sought(values: Values, mechanism: Mechanism) -> Iterator[Sought]:
     Parameters
     ----------
     values : dict
-        Of :func:`flexmech.analyses.kinematics.positions.values_of`.
+        Values of :func:`flexmech.analyses.kinematics.positions.values_of`.
     mechanism : Mechanism
 
     Yields
@@ -335,7 +335,7 @@ def extreme_values(
         In rad, increasing.
     point : tuple of float, optional
     shaft_torque : float or callable
-        Of the drive on the shaft itself, N m; or what gives it at the angles.
+        Shaft torque of the drive on the shaft itself, N m; or what gives it at the angles.
     step : float, optional
         Where the angles are times: in what steps extremes are sought, in s.
 

@@ -53,7 +53,7 @@ class Kinematics(Result):
         ``crank_acceleration`` in rad/s^2 and ``shaft_inertia_torque`` in N m, which the shaft's own
         inertia takes besides the driving torque.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "kinematics"

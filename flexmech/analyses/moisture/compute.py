@@ -51,7 +51,7 @@ class MoistureUptake(Result):
         (link, profile_time, cell), a mean over the width where water enters through the sides too
         (``over_width``).
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "moisture"
@@ -217,7 +217,7 @@ _SHARES = np.array([0.5, 0.9, 0.99])
 _FINER = 2
 # Times of a history from which times to shares are read.
 _TIMES_TO_SHARES = 400
-# Of the time scale of filling; a slab is full to 1e-17 by then.
+# Longest of the time scale of filling; a slab is full to 1e-17 by then.
 _LONGEST = 40.0
 
 
@@ -237,9 +237,9 @@ def moisture_uptake(
     relative_humidity : float
         Above 0, up to 1.
     time : float
-        Of exposure in s.
+        Time of exposure in s.
     temperature : float, optional
-        Of air and links in K; the mechanism's reference temperature if left out.
+        Temperature of air and links in K; the mechanism's reference temperature if left out.
     link : str, optional
         One link alone; all that take up water if left out.
 

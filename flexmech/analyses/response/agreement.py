@@ -38,7 +38,7 @@ def errors_of(dataset: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
 
     Returns
     -------
@@ -81,9 +81,9 @@ def quantities_of(
     values : xarray.DataArray
         Over (engine), or over (engine, link) or (engine, joint), in SI units.
     errors : xarray.DataArray
-        Of these.
+        Errors of these.
     place : int
-        Of the engine.
+        Place of the engine.
     name, unit : str
     factor : float
         From the SI unit to ``unit``.
@@ -110,9 +110,9 @@ def peak_quantities(dataset: xr.Dataset, name: str, unit: str, factor: float) ->
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
     name : str
-        Of the variable, such as ``"peak_stress"``.
+        Name of the variable, such as ``"peak_stress"``.
     unit : str
     factor : float
         From the SI unit to ``unit``.
@@ -135,7 +135,7 @@ def frame_gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
 
     Returns
     -------
@@ -163,7 +163,7 @@ def within_errors(gaps: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:
     gaps : xarray.Dataset
         Differences over the peak, by the names of :func:`errors_of`.
     dataset : xarray.Dataset
-        Of the response.
+        Dataset of the response.
 
     Returns
     -------
@@ -352,7 +352,7 @@ def listed(values: xr.DataArray, form: str = "{:.1e}") -> str:
     Parameters
     ----------
     values : xarray.DataArray
-        Of one dimension with labels.
+        Values of one dimension with labels.
     form : str
 
     Returns

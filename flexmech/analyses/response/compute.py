@@ -79,7 +79,7 @@ def settled_with_links(
     Parameters
     ----------
     engines : sequence of Engine
-        Of one mechanism, with a free shaft and a rotor that turns with it.
+        Engines of one mechanism, with a free shaft and a rotor that turns with it.
     request : ResponseRequest
         Whose drive is the settled run of the rigid linkage.
     highest : float
@@ -137,7 +137,7 @@ def _settled(
     torque : ndarray, shape (steps + 1,)
         On the crank in N m.
     harmonics : int
-        Of the crank's turn, of what the links need.
+        Harmonics of the crank's turn, of what the links need.
 
     Returns
     -------
@@ -314,7 +314,7 @@ def exudyn_system(
     Parameters
     ----------
     engine : ExudynEngine or Mechanism
-        Of a mechanism that engine is made.
+        Engine of a mechanism that engine is made.
     speed : float, Drive or ResponseRequest, optional
         As of :func:`response`, whose run is made first to find the step where none is asked for.
     speed_unit : str, optional

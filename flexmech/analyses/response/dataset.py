@@ -55,7 +55,7 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
     runs : sequence of EngineRun
     request : ResponseRequest
     plan : RunPlan
-        Of the runs.
+        Plan of the runs.
 
     Returns
     -------
@@ -335,7 +335,7 @@ def needed(dataset: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
 
     Returns
     -------

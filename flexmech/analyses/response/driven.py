@@ -126,7 +126,7 @@ def with_motor(
     Parameters
     ----------
     engines : sequence of Engine
-        Of one mechanism.
+        Engines of one mechanism.
     request : ResponseRequest
     environment : HygrothermalState or Exposure, optional
         In which the rigid linkage has other lengths and masses.
@@ -209,7 +209,7 @@ def shaft_aspect(data: xr.Dataset) -> Aspect:
     Parameters
     ----------
     data : xarray.Dataset
-        Of the response.
+        Data of the response.
 
     Returns
     -------

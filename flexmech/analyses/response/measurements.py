@@ -35,7 +35,7 @@ def deflections(engine: Engine, displacement: Sequence[FloatArray]) -> FloatArra
     ----------
     engine : Engine
     displacement : sequence of ndarray, shape (N, n_link)
-        Of each link in the frame of its rigid motion.
+        Displacement of each link in the frame of its rigid motion.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def surface_strain(engine: Engine, link: LinkModel) -> FloatArray:
     ----------
     engine : Engine
     link : LinkModel
-        Of the engine.
+        Link of the engine.
 
     Returns
     -------
@@ -137,7 +137,7 @@ def constraint_drift(engine: Engine, displacement: FloatArray, motion: RigidMoti
     ----------
     engine : Engine
     displacement : ndarray, shape (N, n_links, n_stations, 2)
-        Of :func:`ground_displacements`.
+        Displacement of :func:`ground_displacements`.
     motion : RigidMotion
         At the N samples.
 

@@ -25,7 +25,7 @@ from flexmech.mechanics.running import RotorCoupling, ShaftTorque, Trajectory
 
 logger = logging.getLogger(__name__)
 
-# Of the greatest torque: by which that of a run may be off the motor's along its motion.
+# Converged of the greatest torque: by which that of a run may be off the motor's along its motion.
 _CONVERGED = 1e-5
 # A correction by the rigid linkage gains more than a pass, up to what its splines leave.
 _WORTH = 5e-5
@@ -185,7 +185,7 @@ class MotorPasses:
 
     @property
     def _start_states(self) -> FloatArray:
-        """Of the motor at time zero."""
+        """Start states of the motor at time zero."""
         return self.run.states(0.0)[self.run.equation.train.motor_place :]
 
     def _start(self, time: FloatArray) -> KnownMotion:

@@ -29,7 +29,7 @@ _SAMPLES_PER_PERIOD = 2.5
 # Forces and torque count up to this part of the lowest frequency at which the links vibrate
 # along themselves: what rings faster depends on the time step and on how the start is idealized.
 _FORCE_BAND = 0.5
-# Of the greatest eigenvalue: what is below is round-off of links that turn.
+# Loose of the greatest eigenvalue: what is below is round-off of links that turn.
 _LOOSE = 1e-10
 
 # Steps that a method may need beyond the last value that counts, and some.
@@ -49,7 +49,7 @@ class RunPlan:
     refinement : int
         Samples taken for each one asked for.
     time : ndarray, shape (N,)
-        Of the samples taken, in s.
+        Time of the samples taken, in s.
     lowest, highest : float
         Natural frequencies between which the spectra are of interest, in Hz.
     band : float
@@ -264,7 +264,7 @@ def vibrating_engine(engine: Engine) -> Engine:
     Parameters
     ----------
     engine : Engine
-        Of the run.
+        Engine of the run.
 
     Returns
     -------

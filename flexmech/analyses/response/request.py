@@ -119,10 +119,10 @@ class ResponseRequest:
     step : float, optional
         Time step in s; chosen from ``modes`` and checked by halving where it is left out.
     integrator : {"trapezoidal", "generalized-alpha"}
-        Of engines that simulate; the others integrate by
+        Integrator of engines that simulate; the others integrate by
         :func:`flexmech.solvers.linear_run`.
     prestress : {"none", "axial", "equilibrium"}
-        Of engines that do not simulate. ``none`` and ``axial`` are linear equations;
+        Prestress of engines that do not simulate. ``none`` and ``axial`` are linear equations;
         ``equilibrium`` lets links stretch by the square of their slopes, or, where they are
         bent without load, is linear about the quasi-static equilibrium.
     modes : int

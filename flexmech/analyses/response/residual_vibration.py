@@ -78,14 +78,14 @@ def edges(
     at : ndarray, shape (n,)
         Where the edges are wanted, in s; between the first and the last time.
     time : ndarray, shape (N,)
-        Of the history in s, from zero on.
+        Time of the history in s, from zero on.
     values : ndarray, shape (N,)
     waves : ndarray of complex, shape (m,)
         Amplitudes at time zero; not a number of a wave that is not known.
     decay, angular_frequency : ndarray, shape (m,)
         In 1/s and rad/s.
     period : float
-        Of the slowest wave, in s; of a shorter history all counts.
+        Period of the slowest wave, in s; a shorter history counts whole.
 
     Returns
     -------
@@ -131,7 +131,7 @@ class StandingModes:
     Parameters
     ----------
     frequency : ndarray, shape (m,)
-        Of the undamped linkage in Hz.
+        Frequency of the undamped linkage in Hz.
     damping_ratio : ndarray, shape (m,)
         By the damping of the linkage in each undamped mode. A mode with a ratio of 1 or more does
         not vibrate, and its amplitude is zero.
@@ -234,7 +234,7 @@ class StandingModes:
         Parameters
         ----------
         trajectory : Trajectory
-            Of the engine.
+            Trajectory of the engine.
         begin : float
             When the crank stops, in s.
 
@@ -403,7 +403,7 @@ def residual_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a response.
+        Data of a response.
 
     Returns
     -------
@@ -430,7 +430,7 @@ def residual_aspect(data: xr.Dataset) -> Aspect:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a response.
+        Data of a response.
 
     Returns
     -------

@@ -66,7 +66,7 @@ class Response(Result):
         with harmonics of the last turn; checks, energies and spectra. All units are in the dataset
         itself.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "response"

@@ -69,8 +69,8 @@ class RunError:
     Parameters
     ----------
     linkage : float
-        Of the deflections of all links, over the greatest peak among them, fast or not: what a step
-        is chosen by.
+        Linkage of the deflections of all links, over the greatest peak among them, fast or not:
+        what a step is chosen by.
     of : dict of str to ndarray
         ``deflection`` and ``peak_deflection``, ``stress`` and ``peak_stress`` of each link
         (n_links,), ``force`` and ``peak_force`` of each joint (n_joints,), ``torque`` and
@@ -97,9 +97,9 @@ class Remainder:
     Parameters
     ----------
     part : float
-        Of the change.
+        Part of the change.
     fast : float
-        Of what the change has of vibration that is faster than ``resolved``.
+        Fast of what the change has of vibration that is faster than ``resolved``.
     resolved : float
         In Hz.
     """
@@ -120,7 +120,7 @@ class Remainder:
         step : float
             The longer one, in s.
         duration : float
-            Of the run in s, in which a vibration runs out of phase.
+            Duration of the run in s, in which a vibration runs out of phase.
         stretches : bool
             Whether the method is that of links that stretch.
         """

@@ -45,10 +45,10 @@ def running_shaking(
     trajectory : Trajectory
         At the N samples asked for.
     carried : RigidMotion
-        Of the rigid linkage at the angles that the shaft has.
+        Carried of the rigid linkage at the angles that the shaft has.
     request : ResponseRequest
     rotor_torque : ndarray, shape (N,), optional
-        Of a motor: rate of the angular momentum of its rotor in N m.
+        Rotor torque of a motor: rate of the angular momentum of its rotor in N m.
 
     Returns
     -------
@@ -141,7 +141,7 @@ def shaking_aspect(data: xr.Dataset) -> Aspect:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a response.
+        Data of a response.
 
     Returns
     -------

@@ -71,7 +71,7 @@ def ringing_modes(run: xr.Dataset) -> tuple[int, ...]:
     Parameters
     ----------
     run : xarray.Dataset
-        Of a response to the plain law.
+        Run of a response to the plain law.
 
     Returns
     -------
@@ -103,9 +103,9 @@ class LawShaper:
     frequency, damping_ratio : ndarray, shape (m,)
         Of these modes at the stop, in Hz.
     shapers : tuple of InputShaper
-        Of each mode; along a path their times are in periods.
+        Shapers of each mode; along a path their times are in periods.
     paths : tuple of FrequenciesOnPath
-        Of each mode; empty where the law is shaped for the stop.
+        Paths of each mode; empty where the law is shaped for the stop.
     """
 
     modes: tuple[int, ...]
@@ -270,7 +270,7 @@ def shaper_variables(law: LawShaper) -> xr.Dataset:
     )
 
 
-# Of the shaped run what is told beside the plain one.
+# Kept of the shaped run what is told beside the plain one.
 _KEPT = (
     "deflection",
     "driving_torque",
@@ -300,7 +300,7 @@ def with_shaped_law(
     Parameters
     ----------
     plain : xarray.Dataset
-        Of the run by the plain law.
+        Plain of the run by the plain law.
     engines : sequence of Engine
         The first one's modes are those that the law is shaped for.
     request : ResponseRequest
@@ -354,7 +354,7 @@ def shaped_aspect(data: xr.Dataset) -> Aspect:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a response.
+        Data of a response.
 
     Returns
     -------

@@ -157,7 +157,7 @@ def frame_aspect(dataset: xr.Dataset) -> Aspect:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
 
     Returns
     -------

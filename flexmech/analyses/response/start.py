@@ -44,11 +44,11 @@ def without_second_order_stretch(
     Parameters
     ----------
     frames : LinkFrames
-        Of the links, reduced or not.
+        Frames of the links, reduced or not.
     motion : RigidMotion
         Batch of shape (B,).
     displacement : sequence of ndarray, shape (B, n_link)
-        Of each link in its frame, by the linear equations.
+        Displacement of each link in its frame, by the linear equations.
     expected : sequence of ndarray, shape (B, n_link)
         Internal forces by the linear equations: :func:`linear_forces`.
     internal_forces : callable
@@ -92,7 +92,7 @@ def linear_forces(
     motion : RigidMotion
         Batch of shape (B,).
     displacement : sequence of ndarray, shape (B, n_link)
-        Of each link in its frame.
+        Displacement of each link in its frame.
     prestress : {"none", "axial", "equilibrium"}
         What the equations are linear about.
 
@@ -176,11 +176,11 @@ class _PeriodicMotion:
     time : ndarray, shape (3,)
     motion : RigidMotion
     displacement : list of ndarray, shape (3, n_link)
-        Of the engine's links.
+        Displacement of the engine's links.
     rate : list of ndarray, shape (n_link,)
         At the first of the times.
     frame : list of FrameMotion or None
-        Of a frame on springs at each time, arrays of shape (1, 3).
+        Frame of a frame on springs at each time, arrays of shape (1, 3).
     """
 
     engine: Engine

@@ -23,7 +23,8 @@ from flexmech.mechanics import Engine, LinkModel, kinks_of
 from flexmech.mechanics.running import Trajectory
 from flexmech.sections import BeamSection, LaminateSection
 
-# Of a link, at least: a parabola of stress is highest between two of them by a thousandth less.
+# Places of a link, at least: a parabola of stress is highest between two of them by a thousandth
+# less.
 _PLACES = 32
 # Off the ends of a link, where joint forces act, and off the masses and loads at nodes.
 _INSIDE = 1e-9
@@ -89,7 +90,7 @@ class PeakStress:
     crank_angle : ndarray, shape (n_links,)
         In rad.
     yield_strength : ndarray, shape (n_links,)
-        Of the material in Pa; not a number where it is not stated.
+        Yield strength of the material in Pa; not a number where it is not stated.
     """
 
     stress: FloatArray
@@ -266,7 +267,7 @@ def stress_aspect(dataset: xr.Dataset) -> Aspect:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
 
     Returns
     -------
@@ -296,7 +297,7 @@ def stress_words(dataset: xr.Dataset, stress: Quantity) -> str:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
     stress : Quantity
         The greatest one.
 
@@ -317,7 +318,7 @@ def yielding(dataset: xr.Dataset) -> tuple[str, ...]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
 
     Returns
     -------

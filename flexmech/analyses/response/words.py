@@ -23,7 +23,7 @@ from flexmech.analyses.response.agreement import (
 from flexmech.analyses.response.stresses import stress_words
 from flexmech.analyses.summary import EngineDifference, Table, trust_line
 
-# Of deflections in the table of peaks.
+# Table digits of deflections in the table of peaks.
 _TABLE_DIGITS = 5
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
@@ -41,15 +41,15 @@ def peak_table(
     Parameters
     ----------
     peaks : xarray.Dataset
-        Of :meth:`flexmech.analyses.Response.peaks`.
+        Peaks of :meth:`flexmech.analyses.Response.peaks`.
     start : float
         Crank angle at time zero in rad.
     title : str
     trusted : (str, str), optional
         Engine that stands for all, where they agree, and what it is called then.
     errors : xarray.Dataset, optional
-        Of the peaks of ``deflection`` and ``stress`` over themselves, over (engine, link): digits
-        that they do not support are left out.
+        Errors of the peaks of ``deflection`` and ``stress`` over themselves, over (engine, link):
+        digits that they do not support are left out.
 
     Returns
     -------
@@ -142,9 +142,9 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> tuple[Table | str, ...]:
     Parameters
     ----------
     peaks : xarray.Dataset
-        Of :meth:`flexmech.analyses.Response.peaks`.
+        Peaks of :meth:`flexmech.analyses.Response.peaks`.
     data : xarray.Dataset
-        Of the response.
+        Data of the response.
 
     Returns
     -------
@@ -215,7 +215,7 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
 
     Returns
     -------
@@ -247,7 +247,7 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
 
     Returns
     -------
@@ -280,7 +280,7 @@ def trust(dataset: xr.Dataset, agreement: xr.DataArray | None, forces: xr.Datase
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of a response.
+        Dataset of a response.
     agreement : xarray.DataArray or None
         Differences of deflections.
     forces : xarray.Dataset or None

@@ -75,7 +75,7 @@ class RunningHammerTest(Result):
         ``receptance`` and ``frozen``, each by its real and imaginary part, over (order, frequency
         of the force); peaks and errors over ``order``.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "harmonic_frf"
@@ -316,15 +316,15 @@ class _RunningLinkage:
     forced, larger : ForcedPeriodicSystem
         In its moving modes, and in the next larger number of them.
     steps : int
-        Of the propagator a turn.
+        Steps of the propagator a turn.
     moving_modes : int
         That the states are of.
     growth_rate : float
-        Of the vibration that dies out last, in 1/s; negative.
+        Growth rate of the vibration that dies out last, in 1/s; negative.
     bandwidth : float
         In Hz.
     frequency : ndarray, shape (F,)
-        Of the force, in Hz.
+        Frequency of the force, in Hz.
     """
 
     forced: ForcedPeriodicSystem

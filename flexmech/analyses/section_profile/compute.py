@@ -102,7 +102,7 @@ class SectionProfiles(Result):
         coupling, load, layer, point); ``thermal_expansion`` and ``moisture_expansion`` of the plies
         over (link, layer, direction). Links with fewer layers or places have NaN after them.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "sections"
@@ -224,7 +224,7 @@ def _nothing_known(link: str) -> str:
 
 _STRAIN = ((1e-6, "1e-6"),)
 _STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
-# Of a section that is stated by its numbers.
+# Stated alone of a section that is stated by its numbers.
 _STATED_ALONE = "by its stiffness and mass"
 # What rounding leaves of a zero, over the largest value of its column.
 _ZERO = 1e-9
@@ -236,7 +236,7 @@ def property_table(section: xr.Dataset) -> Table:
     Parameters
     ----------
     section : xarray.Dataset
-        Of one link.
+        Section of one link.
 
     Returns
     -------
@@ -258,7 +258,7 @@ def layer_tables(profile: xr.Dataset) -> list[Table]:
     Parameters
     ----------
     profile : xarray.Dataset
-        Of one link whose layers are known.
+        Profile of one link whose layers are known.
 
     Returns
     -------
@@ -347,7 +347,7 @@ def expansions_of_plies(profile: xr.Dataset) -> pd.DataFrame:
     Parameters
     ----------
     profile : xarray.Dataset
-        Of one link whose layers are known, with ``thermal_expansion`` in 1/K and
+        Profile of one link whose layers are known, with ``thermal_expansion`` in 1/K and
         ``moisture_expansion`` per unit of moisture over (layer, direction).
 
     Returns
@@ -434,7 +434,7 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a ``SectionProfiles`` result.
+        Data of a ``SectionProfiles`` result.
 
     Returns
     -------
@@ -494,7 +494,7 @@ def _links_table(data: xr.Dataset, made_of: Sequence[str]) -> Table:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a ``SectionProfiles`` result.
+        Data of a ``SectionProfiles`` result.
     made_of : sequence of str
         What each link is made of.
 
@@ -530,7 +530,7 @@ def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a ``SectionProfiles`` result.
+        Data of a ``SectionProfiles`` result.
 
     Returns
     -------

@@ -37,7 +37,7 @@ from flexmech.validation import check_number, checked_array
 
 # More are taken for a slip: each value is a map of its own.
 MOST_VALUES = 1000
-# Of a range that a user writes: more than three digits are a slip of the keyboard.
+# Most steps of a range that a user writes: more than three digits are a slip of the keyboard.
 MOST_STEPS = 999
 
 
@@ -49,7 +49,7 @@ def values_of(text: str, dimension: Dimension, default: str | None) -> list[floa
     text : str
         A comma list, or START:STOP:STEPS, with one unit at the end for all.
     dimension : Dimension
-        Of the parameter.
+        Dimension of the parameter.
     default : str or None
         Unit of bare numbers; None refuses them.
 
@@ -189,7 +189,7 @@ class Against:
 
     @property
     def column(self) -> str:
-        """Of tables, with the unit: ``damping_ratio`` or ``linkage_coupler_m``."""
+        """Column of tables, with the unit: ``damping_ratio`` or ``linkage_coupler_m``."""
         unit = self.dimension.unit.replace("/", "_").replace("^", "")
         return re.sub(r"\W+", "_", f"{self.parameter}_{unit}".rstrip("_"))
 
@@ -330,7 +330,7 @@ def speeds_about(bands: Sequence[Band], ends: tuple[float, float]) -> FloatArray
     ----------
     bands : sequence of Band
     ends : tuple of float
-        Of the map in rad/s.
+        Ends of the map in rad/s.
 
     Returns
     -------

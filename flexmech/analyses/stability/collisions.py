@@ -44,7 +44,8 @@ ASIDE = 1.5
 # stand where it holds.
 LEAST_ASIDE = 0.02
 REFINED = 2
-# Of the slope of free modes: where it is less, the modes are together in half of the step or more.
+# Least slope of the slope of free modes: where it is less, the modes are together in half of the
+# step or more.
 LEAST_SLOPE = 0.5
 # In a band the sum of the frequencies is this near to its order times that of the crank, which is
 # far less than the next order and more than a band's edge is off: the edge beyond is found without
@@ -249,7 +250,7 @@ def met(
     least_ratio : float
         Damping ratio at which a band must be open to be kept.
     ends : tuple of float
-        Of the map in rad/s, the lower first: nothing is looked at beyond.
+        Ends of the map in rad/s, the lower first: nothing is looked at beyond.
 
     Returns
     -------

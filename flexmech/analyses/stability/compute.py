@@ -87,7 +87,7 @@ class StabilityMap(Result):
         harmonics too; ``band_...`` over ``band``; ``against_growth_rate`` over (engine,
         parameter, crank_speed) where a second parameter was asked for.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "stability"
@@ -418,7 +418,7 @@ def _moving(engine: Engine, request: StabilityRequest) -> xr.Dataset:
 
 
 def _frequencies(engine: Engine, speed: float, prestress: Prestress, modes: int) -> FloatArray:
-    """Of the lowest modes at evenly spaced crank angles, (ANGLES, m)."""
+    """Frequencies of the lowest modes at evenly spaced crank angles, (ANGLES, m)."""
     angle = 2 * np.pi / ANGLES * np.arange(ANGLES)
     motion = engine.mechanism.linkage.motion(angle, speed)
     stressed = stressed_along_turn(engine, motion, prestress)
@@ -494,16 +494,16 @@ def stability(
         In ``speed_unit``, not zero, all of one sign. Left out: from half to 1.5 times the greatest
         speed at which the mechanism operates.
     prestress : {"none", "axial", "equilibrium", "trajectory"}, optional
-        Of the motion that vibrations are about: the quasi-static equilibrium along the turn, or
-        the periodic motion itself (``trajectory``). Left out: the periodic motion of damped links,
-        which settle on it; the equilibrium of undamped links, with ``against``, and where
-        :func:`flexmech.solvers.nonlinear_orbit` refuses what acts on the links.
+        Prestress of the motion that vibrations are about: the quasi-static equilibrium along the
+        turn, or the periodic motion itself (``trajectory``). Left out: the periodic motion of
+        damped links, which settle on it; the equilibrium of undamped links, with ``against``, and
+        where :func:`flexmech.solvers.nonlinear_orbit` refuses what acts on the links.
     frame : {"link", "inertial"}
-        Of the coordinates. The multipliers are the same in both.
+        Frame of the coordinates. The multipliers are the same in both.
     modes : int
         Natural modes whose Floquet modes are kept.
     steps : int, optional
-        Of the propagator a turn, a multiple of 16. Left out: chosen by the fastest mode.
+        Steps of the propagator a turn, a multiple of 16. Left out: chosen by the fastest mode.
     damping_ratio : float, optional
         Z: all links get the Kelvin-Voigt time 2 Z/omega_1, with the first natural frequency at
         rest averaged over the turn. Left out: the model's damping counts.
@@ -516,8 +516,8 @@ def stability(
         Unit of the crank speeds given, such as ``"rpm"``, in which the result speaks of them. Left
         out: rad/s, and the unit of the model file for speeds that are its own.
     shaft : {"prescribed", "free"}, optional
-        Of all engines: whether the shaft turns as prescribed, or its rotation against that is one
-        more coordinate. Left out: that of the engines.
+        Shaft of all engines: whether the shaft turns as prescribed, or its rotation against that is
+        one more coordinate. Left out: that of the engines.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
 

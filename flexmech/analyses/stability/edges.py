@@ -195,7 +195,7 @@ def signatures_of(
     ----------
     name : BandName
     ends : tuple of float
-        Of the band in rad/s.
+        Ends of the band in rad/s.
     tracked : sequence of TrackedSpeed
 
     Returns
@@ -249,7 +249,7 @@ def passes_through(
     ----------
     name : BandName
     ends : tuple of float
-        Of the band in rad/s.
+        Ends of the band in rad/s.
     tracked : sequence of TrackedSpeed
         By increasing size of the speed.
 
@@ -424,7 +424,7 @@ class EdgeSearch:
 
     @property
     def width(self) -> float:
-        """Of the bracket in rad/s."""
+        """Width of the bracket in rad/s."""
         return abs(self.outside - self.inside)
 
 
@@ -439,7 +439,7 @@ class FoundEdge:
     growth : float
         Measure of growth there: next to nothing.
     width : float
-        Of the bracket in rad/s; zero where the band is open.
+        Width of the bracket in rad/s; zero where the band is open.
     """
 
     crank_speed: float

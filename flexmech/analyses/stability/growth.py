@@ -147,7 +147,8 @@ def speeds_between(samples: Sequence[Sample], step: float, refused: Sequence[flo
     return found
 
 
-# Of the distance of the neighbours of a dip: two bands whose gap is narrower stay one.
+# Narrowest gap of the distance of the neighbours of a dip: two bands whose gap is narrower stay
+# one.
 NARROWEST_GAP = 0.02
 
 
@@ -288,7 +289,7 @@ def nearest_meeting(exponent: NDArray[np.complex128], period: float) -> float:
 
 
 YES, NO, NO_EQUILIBRIUM = "yes", "no", "no equilibrium"
-# Of speeds that an interrupted map has not come to.
+# Not computed of speeds that an interrupted map has not come to.
 NOT_COMPUTED = "not computed"
 EDGES, PARTS = ("lower", "upper"), ("step", "reduction", "mesh")
 
@@ -380,22 +381,23 @@ class TrackedSpeed(FloquetExponents):
     exponent : ndarray of complex, shape (k,)
         In 1/s; of the family ``lambda + i n omega`` the member with the largest harmonic.
     step_error : ndarray, shape (k,)
-        Of the logarithm of each multiplier, by halving the steps.
+        Step error of the logarithm of each multiplier, by halving the steps.
     likeness : ndarray, shape (k,)
         How alike a mode is to the last unmixed shape of its branch: 1 for the same shape.
     harmonic_share : ndarray, shape (2 h + 1, k)
         Parts of the mean square displacement in the harmonics -h to h about the largest.
     krein_signature : ndarray, shape (k,)
-        Of the undamped linkage's modes: zero where the multiplier is not on the unit circle.
+        Krein signature of the undamped linkage's modes: zero where the multiplier is not on the
+        unit circle.
     liouville_defect : float
     steps : int
     buckled_angle : float or None
         A crank angle in rad at which the linkage is statically unstable.
     orbit_distance : float or None
-        Of the periodic motion from the quasi-static equilibrium, relative to the greatest
-        displacement; with prestress ``trajectory`` alone.
+        Orbit distance of the periodic motion from the quasi-static equilibrium, relative to the
+        greatest displacement; with prestress ``trajectory`` alone.
     orbit_residual : float or None
-        Of the periodic motion, relative to the inertia forces.
+        Orbit residual of the periodic motion, relative to the inertia forces.
     rigid : ndarray of complex, shape (2 r,)
         Exponents in 1/s of the free shaft's own motion, which is none of the modes.
     """
@@ -433,12 +435,12 @@ class TrackedSpeed(FloquetExponents):
 
     @property
     def frequency(self) -> FloatArray:
-        """Of the largest harmonic in Hz, (k,)."""
+        """Frequency of the largest harmonic in Hz, (k,)."""
         return np.abs(self.exponent.imag) / (2 * np.pi)
 
     @property
     def damping_ratio(self) -> FloatArray:
-        """Of the largest harmonic: decay rate over the size of the exponent, (k,)."""
+        """Damping ratio of the largest harmonic: decay rate over the size of the exponent, (k,)."""
         return np.asarray(-self.exponent.real / np.abs(self.exponent))
 
     @property
@@ -471,7 +473,7 @@ class ExponentErrors:
     Parameters
     ----------
     speed : float
-        Of the crank in rad/s.
+        Speed of the crank in rad/s.
     reduction, mesh, theory : float
         Change with the next larger number of moving modes; estimated error by the elements'
         length; change by beams of the next finer theory that the engine has. Not a number where

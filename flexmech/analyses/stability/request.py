@@ -36,12 +36,12 @@ class StabilityRequest:
         rad/s, not zero, all of one sign; kept from the slowest to the fastest.
     prestress : {"none", "axial", "equilibrium", "trajectory"}
     frame : {"link", "inertial"}
-        Of the coordinates. Floquet multipliers are the same in both.
+        Frame of the coordinates. Floquet multipliers are the same in both.
     modes : int
         Natural modes whose Floquet modes are kept.
     steps : int, optional
-        Of the propagator a turn, a multiple of 16; chosen by the fastest mode where it is left
-        out.
+        Steps of the propagator a turn, a multiple of 16; chosen by the fastest mode where it is
+        left out.
     damping_ratio : float, optional
         Z from 0 on and less than 1: the Kelvin-Voigt time of all links is 2 Z/omega_1, with the
         first natural frequency at rest averaged over the turn. Left out: the model's damping.

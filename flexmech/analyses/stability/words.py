@@ -56,7 +56,7 @@ def summary_of(data: xr.Dataset) -> Summary:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a ``StabilityMap``.
+        Data of a ``StabilityMap``.
 
     Returns
     -------

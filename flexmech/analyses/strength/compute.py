@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Of which files have nothing where no load or speed leads to failure.
+# Factors of which files have nothing where no load or speed leads to failure.
 _FACTORS = ("", "margin_", "pin_", "fatigue_")
 
 
@@ -60,7 +60,7 @@ class Strength(Result):
         ``pin_check``; parts over ``margin``, the weakest first. Links with fewer stations or layers
         have NaN after them.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "strength"
@@ -112,9 +112,9 @@ def strength_dataset(
     angles : ndarray, shape (A,)
         Crank angles in rad.
     forces : mapping of str to InternalForces
-        Of every link.
+        Forces of every link.
     judged : mapping of str to JudgedLink
-        Of links whose layers are known.
+        Judged of links whose layers are known.
     judged_at : ndarray, shape (B,)
         Crank angles at which they were judged, in rad.
 

@@ -44,7 +44,7 @@ class Endurance:
         At places, in layers, at their lower and upper surface: of all loads, those that stay over
         the turn too, up to which the endurance limit is kept.
     speed_factor : ndarray, shape (k, N, 2)
-        Of the speed alone; not a number where it does not follow.
+        Speed factor of the speed alone; not a number where it does not follow.
     turns : ndarray, shape (k, N, 2)
         To failure; infinite where the endurance limit is stated and kept, not a number where it
         is not kept and no S-N line is known.
@@ -93,9 +93,9 @@ def endurance(
     Parameters
     ----------
     layers : LaminateSection or SheetSection
-        Of one isotropic material.
+        Layers of one isotropic material.
     fatigue : FatigueStrength
-        Of it.
+        Fatigue of it.
     crank_angles : ndarray, shape (A,)
         In rad, at least a turn; the first one counts.
     loads : ndarray, shape (A, k, 3)
@@ -265,9 +265,9 @@ class EnduringLinks:
     Parameters
     ----------
     layers : dict of str to LaminateSection or SheetSection
-        Of these links.
+        Layers of these links.
     strengths : dict of str to FatigueStrength
-        Of their materials.
+        Strengths of their materials.
     left_out_lines : tuple of str
         Which links are not judged, and why.
     """
@@ -287,7 +287,7 @@ class EnduringLinks:
         mechanism : Mechanism
             In its state.
         layers : mapping of str to LaminateSection or SheetSection
-            Of links whose layers are known.
+            Layers of links whose layers are known.
         request : StrengthRequest
 
         Returns
@@ -354,7 +354,7 @@ class EnduringLinks:
         Parameters
         ----------
         dataset : xarray.Dataset
-            Of this engine.
+            Dataset of this engine.
         found : mapping of str to Endurance
         angles : ndarray, shape (A,)
             Crank angles in rad.

@@ -149,7 +149,7 @@ class JointLoads:
     force : ndarray, shape (A, n_joints, 2)
         On the grounded or following link, ground axes, N.
     angle : ndarray, shape (A, n_links)
-        Of the links in rad.
+        Angle of the links in rad.
     rate : ndarray, shape (A, n_links, 2)
         Angular velocity of their starts and ends in rad/s.
     of_blocks : mapping of str to ndarray, shape (A, 2)
@@ -244,11 +244,11 @@ class LoadsOfTurn:
     Parameters
     ----------
     links : mapping of str to InternalForces
-        Of every link.
+        Links of every link.
     joints : JointLoads
     moment_gap : ndarray, shape (n_links, 2), optional
-        Of links that run: greatest difference of their bending moments from those of the curvature,
-        and greatest moment, in N m.
+        Moment gap of links that run: greatest difference of their bending moments from those of the
+        curvature, and greatest moment, in N m.
     """
 
     links: Mapping[str, InternalForces]
@@ -273,7 +273,7 @@ class LoadsOfTurn:
         Parameters
         ----------
         parts : sequence of LoadsOfTurn
-            Of one mechanism.
+            Parts of one mechanism.
 
         Returns
         -------
@@ -331,7 +331,7 @@ class SampledLoads(Protocol):
         Parameters
         ----------
         cuts : mapping of str to Cuts
-            Of every link.
+            Cuts of every link.
 
         Returns
         -------
@@ -383,7 +383,7 @@ class LoadsAtAngles:
         Parameters
         ----------
         cuts : mapping of str to Cuts
-            Of every link.
+            Cuts of every link.
 
         Returns
         -------
@@ -435,7 +435,7 @@ class LoadsOfRun:
         Parameters
         ----------
         cuts : mapping of str to Cuts
-            Of every link.
+            Cuts of every link.
 
         Returns
         -------

@@ -23,7 +23,7 @@ from flexmech.mechanism import Mechanism
 from flexmech.sections import Layers, residual_ply_stresses, unit_ply_stresses
 
 DEFAULT: CriterionName = "tsai-wu"
-"""Of plies with fibres, where none is asked for."""
+"""Default of plies with fibres, where none is asked for."""
 # Stresses that criteria of plies ask for, among all five.
 _IN_PLANE = 3
 
@@ -45,7 +45,7 @@ class JudgedLink:
     fastest : ndarray of int, shape (k, N, 2)
         Number of the crank angle at which the speed factor is least.
     criterion : tuple of str, length N
-        Of each layer.
+        Criterion of each layer.
     """
 
     index: FloatArray
@@ -183,11 +183,11 @@ class JudgedMechanism:
         In its state.
     request : StrengthRequest
     layers : dict of str to LaminateSection or SheetSection
-        Of links whose layers are known.
+        Layers of links whose layers are known.
     residual : dict of str to ndarray, shape (N, 2, 5)
         Stresses of cure, heat and moisture in them, in Pa.
     cuts : dict of str to Cuts
-        Of every link.
+        Cuts of every link.
     pins : PinChecks
     enduring : EnduringLinks
     without_cure : tuple of str
@@ -261,7 +261,7 @@ class JudgedMechanism:
         Parameters
         ----------
         loads : LoadsOfTurn
-            Of rigid links with a clamp a run may know no moment.
+            Loads of rigid links with a clamp a run may know no moment.
         static : LoadsOfTurn, optional
             Part of them that does not grow with the square of the speed.
 

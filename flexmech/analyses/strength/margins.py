@@ -53,7 +53,7 @@ class Margin:
     layer : int
         From the lowest y on; :data:`NO_LAYER` where there is none.
     surface : str
-        Of the layer.
+        Surface of the layer.
     """
 
     part: str
@@ -107,7 +107,7 @@ def link_margins(dataset: xr.Dataset, kind: str = "link") -> list[Margin]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of strength; without endurance it has no margins of fatigue.
+        Dataset of strength; without endurance it has no margins of fatigue.
     kind : {"link", "fatigue"}
         By the criteria of its layers, or by the endurance of its material, which counts at the
         crank angle of the greatest stress.
@@ -171,10 +171,10 @@ def pin_margins(
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of strength; without checks of pins it has no pin's margin.
+        Dataset of strength; without checks of pins it has no pin's margin.
     failures : mapping of str to PinFailure, optional
-        Of joints, as a search of the speed has found them. Left out: by the speed factors of the
-        checks, which loads of rigid links have.
+        Failures of joints, as a search of the speed has found them. Left out: by the speed factors
+        of the checks, which loads of rigid links have.
 
     Returns
     -------
@@ -228,7 +228,7 @@ def failures_of(
     Parameters
     ----------
     speed_factors : mapping of str to float
-        Of parts by :attr:`Margin.name`.
+        Speed factors of parts by :attr:`Margin.name`.
     weakest : mapping of float to mapping of str to int
         :func:`weakest_checks` by the factor of the crank speed: the nearest one tells.
 

@@ -164,7 +164,7 @@ def bearing_pressure(force: Number, diameter: float, thickness: float) -> Number
     force : float or ndarray
         In N.
     diameter : float
-        Of the pin in m.
+        Diameter of the pin in m.
     thickness : float
         Length of the hole along the pin in m.
 
@@ -183,7 +183,7 @@ def net_tension(force: Number, width: float, diameter: float, thickness: float) 
     force : float or ndarray
         That pulls the pin away from the link in N.
     width : float
-        Of the eye in m.
+        Width of the eye in m.
     diameter : float
     thickness : float
 
@@ -226,9 +226,9 @@ def pressure_velocity(force: Number, rate: Number, diameter: float, length: floa
     rate : float or ndarray
         Size of the angular velocity of the pin in the bush in rad/s.
     diameter : float
-        Of the pin in m.
+        Diameter of the pin in m.
     length : float
-        Of the bush in m.
+        Length of the bush in m.
 
     Returns
     -------
@@ -260,7 +260,7 @@ class PinCheck:
     allowable : float
         In Pa, or in Pa m/s.
     end : LinkEnd, optional
-        Of the link whose eye it is; None of the bush.
+        End of the link whose eye it is; None of the bush.
     """
 
     joint: str
@@ -303,7 +303,7 @@ class PinChecks:
     ----------
     made : tuple of PinCheck
     left_out : tuple of LeftOut
-        Of joints that state a diameter.
+        Left out of joints that state a diameter.
     without_diameter : tuple of str
         Pins, pivots and sliders that state none.
     """

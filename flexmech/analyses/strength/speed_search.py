@@ -19,8 +19,8 @@ Least = Callable[[float], Mapping[str, float]]
 STEPS, BEYOND = 24, 1.1
 # Each halves the step in which a part fails: then the speed is known to a thousandth of the range.
 HALVINGS = 6
-# Of links at rest in their frames. The secant through a load factor so near to 1 has its root to
-# some 1e-4.
+# Close of links at rest in their frames. The secant through a load factor so near to 1 has its root
+# to some 1e-4.
 CLOSE = 0.01
 # Speeds for each part, the least and the greatest of them over that asked for, how much a step may
 # go beyond those known, and how near to where no equilibrium is found.
@@ -34,7 +34,7 @@ class SpeedSearch:
     Parameters
     ----------
     factor : ndarray, shape (S,)
-        Of the crank speed, ascending.
+        Factor of the crank speed, ascending.
     load_factor : ndarray, shape (S,)
         Least of all parts.
     part : list of str

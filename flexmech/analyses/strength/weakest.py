@@ -25,8 +25,8 @@ from flexmech.errors import InputError
 from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 
-# Of the range of samples: a vertex nearer to a sample is that sample, whose stress is less than its
-# own by the square of that alone.
+# Same of the range of samples: a vertex nearer to a sample is that sample, whose stress is less
+# than its own by the square of that alone.
 _SAME = 1e-6
 _TURN = 2 * np.pi
 _OF = {False: "loads", True: "speed"}
@@ -50,7 +50,7 @@ class Weakest:
     at : tuple of float
         Crank angles of it in rad; of fatigue those of both ends of the greatest cycle.
     place : float
-        Of it, from the start of the link in m; not a number of a pin.
+        Place of it, from the start of the link in m; not a number of a pin.
     crank_angles : tuple of float
         Between samples, in rad.
     places : tuple of float
@@ -187,7 +187,7 @@ def _vertices(
     samples : ndarray, shape (n,)
         Ascending; two that are equal are the sides of a jump, over which there is no parabola.
     number : int
-        Of the least factor.
+        Number of the least factor.
     factors_at : callable
         From numbers of samples to their factors.
     inverse : bool
@@ -293,7 +293,7 @@ class LoadsOfEngines(ABC):
     Parameters
     ----------
     engines : list of Engine
-        Of the mechanism in its state.
+        Engines of the mechanism in its state.
     crank_angles : ndarray, shape (A,)
         At which loads are asked for, in rad, increasing.
     attributes : dict of str to str
@@ -312,7 +312,7 @@ class LoadsOfEngines(ABC):
         Parameters
         ----------
         engines : sequence of Engine
-            Of the mechanism, dry and at its reference temperature.
+            Engines of the mechanism, dry and at its reference temperature.
         asked : StrengthRequest
         speed : float
             Crank speed in rad/s, whatever that of the request.
@@ -447,7 +447,7 @@ def seek(
     source : SampledLoads
         Crank angles are added to it.
     static : SampledLoads, optional
-        Of what does not grow with the square of the speed, at the same crank angles.
+        Static of what does not grow with the square of the speed, at the same crank angles.
     rounds : int
     between : bool
         Whether crank angles may be added.
@@ -500,7 +500,7 @@ def changes_of(judged: JudgedMechanism, coarse: Sought, finer: SampledLoads) -> 
     judged : JudgedMechanism
     coarse : Sought
     finer : SampledLoads
-        Of the same mechanism; begins without crank angles.
+        Finer of the same mechanism; begins without crank angles.
 
     Returns
     -------

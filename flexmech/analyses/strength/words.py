@@ -20,7 +20,7 @@ _MM, _MEGA = 1e3, 1e-6
 # Digits of a factor: loads and strengths are known to fewer.
 _DIGITS = 3
 _RUNS = ("periodic", "transient")
-# Of a turn at 1 rad/s.
+# Hours of a turn at 1 rad/s.
 _HOURS = 2 * math.pi / 3600
 ASKED = "crank angles asked for"
 """Where parts were judged, if not between the crank angles too."""
@@ -36,7 +36,7 @@ def summary_of(data: xr.Dataset) -> Summary:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a ``Strength`` result.
+        Data of a ``Strength`` result.
 
     Returns
     -------
@@ -195,7 +195,7 @@ def straight_line(data: xr.Dataset) -> str:
     Parameters
     ----------
     data : xarray.Dataset
-        Of strength.
+        Data of strength.
 
     Returns
     -------

@@ -33,7 +33,7 @@ class CrankRockerSynthesis(Result):
         The variables of ``schema.toml``: ``ratio`` of the lengths over ``member``, ``length`` where
         that of the ground is given, and what is computed back from the lengths.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "transmission_angle"

@@ -151,7 +151,7 @@ class PiecewiseMotion:
         starts : ndarray, shape (m,)
             By how many rad it is moved on, each time.
         dwell : float
-            Of each rest, in s.
+            Dwell of each rest, in s.
         factors : ndarray, shape (m,), optional
             By which the angles are multiplied before; one if left out.
 
@@ -265,7 +265,7 @@ def first_greatest(values: FloatArray) -> int:
 
 # Samples of a law, and the fewest of each of its pieces.
 _SAMPLES, _OF_A_PIECE = 240, 4
-# Of a turn: every five degrees.
+# Of a turn of a turn: every five degrees.
 _OF_A_TURN = 73
 
 
@@ -347,7 +347,7 @@ class Drive(abc.ABC):
         Parameters
         ----------
         revolutions : float
-            Of no account where the crank stops: such a run lasts as long as the law.
+            Revolutions of no account where the crank stops: such a run lasts as long as the law.
 
         Returns
         -------

@@ -35,8 +35,8 @@ LawName = Literal["trapezoid", "cycloid", "modified sine", "polynomial 4567"]
 """Laws of motion from rest to rest; trapezoid is the modified one, without a jump."""
 LAWS: tuple[LawName, ...] = get_args(LawName)
 
-# Of sine-constant-cosine acceleration: parts of the time with sines at both ends, and with the
-# cosine in the middle.
+# Parts of sine-constant-cosine acceleration: parts of the time with sines at both ends, and with
+# the cosine in the middle.
 _PARTS = {"trapezoid": (0.25, 0.25), "cycloid": (0.5, 0.5), "modified sine": (0.25, 0.75)}
 _POLYNOMIAL_4567 = (0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0)
 # A move and its dwell that is repeated more often is a slip of the keyboard.
@@ -87,9 +87,9 @@ class LawDrive(Drive):
     kind : {"trapezoid", "cycloid", "modified sine", "polynomial 4567"}
         Its shape.
     travel : float
-        Of a move in rad; negative moves backwards.
+        Travel of a move in rad; negative moves backwards.
     time : float
-        Of a move in s.
+        Time of a move in s.
     dwell : float
         Rest after each move in s.
     moves : int
@@ -173,7 +173,7 @@ class LawDrive(Drive):
         Parameters
         ----------
         revolutions : float
-            Of no account.
+            Revolutions of no account.
         """
         return self.moves * self.cycle_time
 
@@ -194,8 +194,8 @@ TABLE_ENDS: tuple[TableEnds, ...] = get_args(TableEnds)
 
 # Degree of the spline, whose acceleration is smooth; of fewer rows than that takes the lower one.
 _DEGREE, _LOWER_DEGREE = 5, 3
-# Of the travel of a table, or of a tenth of a turn where that is more: rows that leave a straight
-# line by this much are on it but for the round-off of their numbers.
+# Straight of the travel of a table, or of a tenth of a turn where that is more: rows that leave a
+# straight line by this much are on it but for the round-off of their numbers.
 _STRAIGHT = 1e-13
 # A step whose speed is beyond this many times those of the steps beside it, and that of all others
 # on average, is a jump of the angle.
@@ -353,7 +353,7 @@ class TableDrive(Drive):
         Parameters
         ----------
         revolutions : float
-            Of no account.
+            Revolutions of no account.
         """
         return self.moves * self._pass_time
 

@@ -360,7 +360,7 @@ class ShapedDrive(Drive):
         Parameters
         ----------
         revolutions : float
-            Of no account.
+            Revolutions of no account.
         """
         return self.drive.run_time(revolutions) + self.delay
 

@@ -42,11 +42,12 @@ class Motor(abc.ABC):
     gear_ratio : float
         Motor speed over crank speed.
     inertia : float
-        Of the rotor about its axis in kg m^2.
+        Inertia of the rotor about its axis in kg m^2.
     coupling_stiffness : float, optional
-        Of a coupling between gear and crank, at the crank, in N m/rad; rigid if left out.
+        Coupling stiffness of a coupling between gear and crank, at the crank, in N m/rad; rigid if
+        left out.
     coupling_damping : float
-        Of the coupling in N m s/rad.
+        Coupling damping of the coupling in N m s/rad.
 
     Raises
     ------
@@ -73,7 +74,7 @@ class Motor(abc.ABC):
 
     @property
     def inertia_at_crank(self) -> float:
-        """Of the rotor, reduced to the crank, in kg m^2."""
+        """Inertia at crank of the rotor, reduced to the crank, in kg m^2."""
         return self.inertia * self.gear_ratio**2
 
     def coupling_torque(self, twist: FloatArray, rate: FloatArray) -> FloatArray:
@@ -131,11 +132,11 @@ class Motor(abc.ABC):
         Parameters
         ----------
         speed : ndarray, shape (...)
-            Of the rotor in rad/s.
+            Speed of the rotor in rad/s.
         current : ndarray, shape (...), optional
             In A, where it is a state.
         command : ndarray, shape (...), optional
-            Of speed control, within its limits.
+            Command of speed control, within its limits.
         """
 
 
@@ -150,7 +151,7 @@ class TorqueMotor(Motor):
     Parameters
     ----------
     speeds : tuple of float
-        Of the motor in rad/s, increasing.
+        Speeds of the motor in rad/s, increasing.
     torques : tuple of float
         On the motor's shaft in N m.
     gear_ratio, inertia, coupling_stiffness, coupling_damping : float, optional
@@ -245,17 +246,17 @@ class DcMotor(Motor):
     Parameters
     ----------
     resistance : float
-        Of a DC motor's armature in ohm.
+        Resistance of a DC motor's armature in ohm.
     torque_constant : float
-        Of a DC motor in N m/A, which is that of the back-EMF in V s/rad.
+        Torque constant of a DC motor in N m/A, which is that of the back-EMF in V s/rad.
     voltage : float
-        Of a DC motor in V; with speed control the greatest one either way.
+        Voltage of a DC motor in V; with speed control the greatest one either way.
     inductance : float
-        Of a DC motor's armature in H; without it the current follows at once.
+        Inductance of a DC motor's armature in H; without it the current follows at once.
     initial_current : float, optional
-        Of a DC motor with inductance at time zero in A, 0 A of one that is switched on then; if
-        left out the one that holds the crank against its loads, as a brake leaves it that is
-        released at that current.
+        Initial current of a DC motor with inductance at time zero in A, 0 A of one that is switched
+        on then; if left out the one that holds the crank against its loads, as a brake leaves it
+        that is released at that current.
     gear_ratio, inertia, coupling_stiffness, coupling_damping : float, optional
         As of :class:`Motor`, by their names.
 
@@ -287,7 +288,7 @@ class DcMotor(Motor):
 
     @property
     def no_load_speed(self) -> float:
-        """Of the motor in rad/s."""
+        """No load speed of the motor in rad/s."""
         return self.voltage / self.torque_constant
 
     @property
@@ -485,7 +486,7 @@ class MotorOutput:
     torque : ndarray, shape (...)
         On its own shaft in N m.
     rates : ndarray, shape (k, ...)
-        Of its states: of the current in A/s if that is one, of the control's integral.
+        Rates of its states: of the current in A/s if that is one, of the control's integral.
     current, voltage : ndarray, shape (...)
         Of a DC motor in A and V; not numbers of a torque curve.
     """
@@ -547,7 +548,7 @@ class DriveTrain:
 
     @property
     def rigid_inertia(self) -> float:
-        """Of what turns rigidly with the crank in kg m^2."""
+        """Rigid inertia of what turns rigidly with the crank in kg m^2."""
         return 0.0 if self.is_coupled else self.motor.inertia_at_crank
 
     @property
@@ -631,7 +632,7 @@ class DriveTrain:
         Parameters
         ----------
         speed : ndarray, shape (m,)
-            Of the rotor over the gear ratio in rad/s.
+            Speed of the rotor over the gear ratio in rad/s.
         states : ndarray, shape (state_count, m)
 
         Returns

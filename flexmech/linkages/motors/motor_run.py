@@ -98,7 +98,7 @@ class ShaftEquation:
     ----------
     load : ShaftLoad
     shaft_inertia : float
-        Of the shaft that drives the crank, in kg m^2.
+        Shaft inertia of the shaft that drives the crank, in kg m^2.
     train : DriveTrain
     added : FourierSeries, optional
         Torque needed besides in N m, over turns of the crank.
@@ -149,7 +149,7 @@ class ShaftEquation:
 
     @property
     def _rigid_inertia(self) -> float:
-        """Of all that turns with the crank besides the linkage."""
+        """Rigid inertia of all that turns with the crank besides the linkage."""
         return self.shaft_inertia + self.train.rigid_inertia
 
 
@@ -162,7 +162,7 @@ class TwistedShaft:
     Parameters
     ----------
     rotor : ShaftEquation
-        Of the rotor without the coupling, whose load is all that the coupling carries.
+        Rotor of the rotor without the coupling, whose load is all that the coupling carries.
     train : DriveTrain
         With the coupling.
     twist : FourierSeries
@@ -196,14 +196,14 @@ class TwistedShaft:
 
 # Angles turned through at which the motion is told.
 _TURN: FloatArray = np.linspace(0.0, 2 * np.pi, 721)
-# Of the residual between the nodes, relative: mean speeds are within 1e-9 of those by steps of
-# 1e-11.
+# Tolerance of the residual between the nodes, relative: mean speeds are within 1e-9 of those by
+# steps of 1e-11.
 _TOLERANCE = 1e-7
 # Work alone.
 _MOST_NODES = 10_000
 # Over the speed near which it is sought: a motor whose torque does not fall knows no bound.
 _FAST = 1e3
-# Of the speed from which it is sought.
+# Doublings of the speed from which it is sought.
 _DOUBLINGS = 6
 
 
@@ -232,7 +232,7 @@ class SettledMotion:
 
     @property
     def speed(self) -> FloatArray:
-        """Of the crank in rad/s, (m,)."""
+        """Speed of the crank in rad/s, (m,)."""
         return np.asarray(self.values[1])
 
     @cached_property
@@ -242,14 +242,14 @@ class SettledMotion:
 
     @property
     def power(self) -> FloatArray:
-        """Of the motor in W, (m,)."""
+        """Power of the motor in W, (m,)."""
         train = self.equation.train
         turning = train.rotor_speed(self.values[1], self.values[2:])
         return self.output.torque * train.motor.gear_ratio * turning
 
     @property
     def mean_speed(self) -> float:
-        """Of the crank in rad/s: a turn over its time."""
+        """Mean speed of the crank in rad/s: a turn over its time."""
         turn = float(self.crank_angle[-1] - self.crank_angle[0])
         return turn / float(self.time[-1])
 
@@ -260,7 +260,7 @@ class SettledMotion:
 
     @property
     def mean_power(self) -> float:
-        """Of the motor in W."""
+        """Mean power of the motor in W."""
         from scipy.integrate import simpson
 
         return float(simpson(self.power, x=self.time)) / float(self.time[-1])
@@ -384,9 +384,9 @@ class _Turn:
         return np.asarray(self._way * by_time / own[0])
 
 
-# Of the mean speed, by which a run may end off the settled motion.
+# Settled of the mean speed, by which a run may end off the settled motion.
 _SETTLED = 1e-2
-# Of the shorter step beside an instant, over which rates are differentiated.
+# Difference of the shorter step beside an instant, over which rates are differentiated.
 _DIFFERENCE = 1e-3
 # Pieces of a run that are in memory and in a file: a slip of the keyboard asks for more.
 MOST_PIECES = 400_000
@@ -426,9 +426,9 @@ class MotorRun(Drive):
     ----------
     drive : MotorDrive
     equation : ShaftEquation
-        Of the linkage's shaft under the motor.
+        Equation of the linkage's shaft under the motor.
     time : ndarray, shape (m,)
-        Of the integration in s, the first zero.
+        Time of the integration in s, the first zero.
     values : ndarray, shape (n, m)
         Crank angle and speed, and the other unknowns, there.
     rates : ndarray, shape (n, m)
@@ -438,7 +438,7 @@ class MotorRun(Drive):
     duration : float
         In s; the last time is some beyond, but for a motor that stalls.
     stall : Stall, optional
-        Of a motor that stalls before the end.
+        Stall of a motor that stalls before the end.
 
     Examples
     --------
@@ -522,7 +522,7 @@ class MotorRun(Drive):
         Parameters
         ----------
         revolutions : float
-            Of no account: the run is one of so many already.
+            Revolutions of no account: the run is one of so many already.
         """
         return self.duration
 

@@ -90,10 +90,10 @@ class PlanarJoint:
     links : tuple of str
         Links that are clamped or welded; all that meet at the point if empty.
     direction : float, optional
-        Of a slider: angle in rad of its line, which passes through the point in the drawing,
-        to the ground's x axis or to that of the guide's first beam.
+        Direction of a slider: angle in rad of its line, which passes through the point in the
+        drawing, to the ground's x axis or to that of the guide's first beam.
     guide : str
-        Of a slider: rigid link that carries the line; the ground if empty.
+        Guide of a slider: rigid link that carries the line; the ground if empty.
 
     Raises
     ------

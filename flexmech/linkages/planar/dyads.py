@@ -51,7 +51,7 @@ class Locus(abc.ABC):
     ----------
     known : int
     centre : complex
-        Of a circle, or a point of a line, in the known body's axes.
+        Centre of a circle, or a point of a line, in the known body's axes.
     body : int, optional
         That of the point, if the point's way along the curve determines its motion.
     """
@@ -77,7 +77,7 @@ class Locus(abc.ABC):
         ----------
         bodies : BodyMotion
         base : MovingPoint
-            Of :meth:`base`.
+            Base of :meth:`base`.
         place : ndarray of complex, shape (B,)
         """
 
@@ -231,7 +231,7 @@ class TwoLoci:
     first, second : Circle or Line
         Not a line before a circle.
     size : float
-        Of the linkage.
+        Size of the linkage.
     side : float
         Sign of the product of the normals, which tells the branch.
     """

@@ -283,7 +283,8 @@ class PlanarLinkage:
 # A bound of work: Newton's method takes five where links swell by some percent; where it takes 30,
 # nothing fits.
 ITERATIONS = 30
-# Of the size: as near as rounding lets joints close, so that a linkage resized back is the same.
+# Converged of the size: as near as rounding lets joints close, so that a linkage resized back is
+# the same.
 CONVERGED = 1e-15
 
 

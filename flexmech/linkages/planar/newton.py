@@ -53,7 +53,7 @@ class ContinuationPath:
     unknowns, slope : ndarray, shape (N, n)
         Unknowns and their derivatives by the crank angle; lengths in parts of the size.
     sign : float
-        Of the determinant.
+        Sign of the determinant.
     locks : tuple of str
         Joint that locks at each end of the range; empty where it is half a turn away.
     """

@@ -30,7 +30,8 @@ from flexmech.materials.moisture.history import Ambient, Period
 from flexmech.materials.moisture.slab import Faces, checked_faces
 from flexmech.validation import POSITIVE, check_fields, check_number
 
-# Of a layer: both faces are fine, and a parabola between them needs two cells each side.
+# Fewest cells of a layer: both faces are fine, and a parabola between them needs two cells each
+# side.
 FEWEST_CELLS = 4
 # Cells at a fine end are cosh(2)^2 = 14 times smaller than in the middle: with more, the error in
 # the middle grows faster than that of the first instants falls.
@@ -81,7 +82,7 @@ class DiffusionMesh:
     materials : tuple of DiffusionLayer
         Neighbours of one material made one.
     boundaries : ndarray, shape (n + 1,)
-        Of the cells from the mid-plane in m.
+        Boundaries of the cells from the mid-plane in m.
     material : ndarray of int, shape (n,)
         Which of the materials each cell is of.
     """
@@ -92,12 +93,12 @@ class DiffusionMesh:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """Of the cells in m, (n,)."""
+        """Sizes of the cells in m, (n,)."""
         return np.diff(self.boundaries)
 
     @property
     def centres(self) -> FloatArray:
-        """Of the cells in m, (n,)."""
+        """Centres of the cells in m, (n,)."""
         return np.asarray((self.boundaries[1:] + self.boundaries[:-1]) / 2)
 
     @cached_property
@@ -198,7 +199,7 @@ class Waves:
     shape : ndarray, shape (m, k)
         The waves in the cells of half the width, from the middle to the side.
     boundaries : ndarray, shape (k + 1,)
-        Of those cells in m, from the middle.
+        Boundaries of those cells in m, from the middle.
     """
 
     rate: FloatArray
@@ -222,7 +223,7 @@ def side_waves(boundaries: FloatArray) -> Waves:
     Parameters
     ----------
     boundaries : ndarray, shape (k + 1,)
-        Of the cells in m, from the middle at 0 to the side.
+        Boundaries of the cells in m, from the middle at 0 to the side.
 
     Returns
     -------
@@ -259,7 +260,7 @@ class Fluxes:
         Those exposed.
     waves : Waves
     humidity_exponent : float
-        Of the relative humidity in the saturation that it leads to.
+        Humidity exponent of the relative humidity in the saturation that it leads to.
     """
 
     mesh: DiffusionMesh
@@ -279,7 +280,7 @@ class Fluxes:
             Rising, in s, from zero on.
         initial : float
         tolerance : float
-            Of the solver in time, relative.
+            Tolerance of the solver in time, relative.
 
         Returns
         -------
@@ -423,7 +424,7 @@ class MoistureHistory:
     time : ndarray, shape (t,)
         In s.
     boundaries : ndarray, shape (n + 1,)
-        Of the cells through the thickness from the mid-plane in m.
+        Boundaries of the cells through the thickness from the mid-plane in m.
     saturation : ndarray, shape (t, n)
         Mean over each cell, and over the width in a bar: moisture over that in equilibrium with
         100 % relative humidity. It may leave the range from 0 to 1 by the tolerance.
@@ -496,11 +497,11 @@ def diffuse(
     initial : float
         Saturation at time zero.
     humidity_exponent : float
-        Of the relative humidity in the saturation that it leads to.
+        Humidity exponent of the relative humidity in the saturation that it leads to.
     cells : int
         Through the thickness; the error falls with their square.
     tolerance : float
-        Of SciPy's solver in time, relative.
+        Tolerance of SciPy's solver in time, relative.
 
     Returns
     -------
@@ -550,11 +551,11 @@ def diffuse_bar(
     initial : float
         Saturation at time zero.
     humidity_exponent : float
-        Of the relative humidity in the saturation that it leads to.
+        Humidity exponent of the relative humidity in the saturation that it leads to.
     cells : tuple of int
         Through the thickness and across the width, the latter even.
     tolerance : float
-        Of SciPy's solver in time, relative.
+        Tolerance of SciPy's solver in time, relative.
 
     Returns
     -------

@@ -161,7 +161,7 @@ def _fourier_number_of(fraction: float) -> float:
     )
 
 
-# Of Shen & Springer's fit, as published.
+# Factor of Shen & Springer's fit, as published.
 FACTOR = 7.3
 EXPONENT = 0.75
 

@@ -315,7 +315,7 @@ class Coupling:
     elastic : ndarray, shape (k, k)
         Stiffness by these amounts.
     damping_time : float
-        Of Kelvin-Voigt damping in s.
+        Damping time of Kelvin-Voigt damping in s.
     unloaded : ndarray, shape (k,)
         Amounts that need no force, of links that swelling bends.
     """

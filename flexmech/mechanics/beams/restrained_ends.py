@@ -62,7 +62,8 @@ _RATES = ((False, False), (False, True), (True, False), (True, True))
 # besides the twist changes the first mode of longer ones by 1.7 % at most ([15], wide; [30] by
 # 0.9 %).
 SHORT = 40
-# Of the frequency between all strains across free and none: one percent is what is told of beams.
+# Least of the frequency between all strains across free and none: one percent is what is told of
+# beams.
 LEAST = 0.01
 
 
@@ -204,8 +205,8 @@ def _between_pins(x: Parabolas, y: Parabolas, z: Parabolas) -> Any:
 
 WAVES = 3
 """Loads in half sines whose bending moments are among the distributions."""
-# Of the bending stiffness that end faces may seem to take away. They add to it; what takes is a
-# difference in shear.
+# Softest of the bending stiffness that end faces may seem to take away. They add to it; what takes
+# is a difference in shear.
 SOFTEST = 0.2
 # Elements of the beam with which the link is compared: twice those along the link in three
 # dimensions, so that its own error does not count.
@@ -221,7 +222,7 @@ class RestrainedEnds:
     Parameters
     ----------
     length : float
-        Of the link in m.
+        Length of the link in m.
     shapes : ndarray, shape (k, 5)
         Orthonormal shapes psi, in 1/sqrt(m), of the bending moments of couples that are equal
         and opposite, of equal ones, and of loads in one to three half sines.
@@ -283,7 +284,7 @@ class RestrainedEnds:
         ----------
         chain : Chain
         mass_per_length : float
-            Of the link in kg/m; none where its mass stands in points.
+            Mass per length of the link in kg/m; none where its mass stands in points.
 
         Returns
         -------
@@ -358,7 +359,7 @@ def restrained_ends(section: LaminateSection, length: float) -> RestrainedEnds:
     Parameters
     ----------
     section : LaminateSection
-        Of plies whose twist matters.
+        Section of plies whose twist matters.
     length : float
         In m.
 

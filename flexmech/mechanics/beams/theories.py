@@ -241,7 +241,7 @@ class BeamShapes(ABC):
         ----------
         section : BeamSection
         length : ndarray, shape (e,)
-            Of the elements in m.
+            Length of the elements in m.
 
         Returns
         -------
@@ -262,7 +262,7 @@ class BeamShapes(ABC):
         Parameters
         ----------
         length : ndarray, shape (..., e)
-            Of the elements in m.
+            Length of the elements in m.
         section : BeamSection
 
         Returns

@@ -82,7 +82,7 @@ class DisplacedInertia:
         ----------
         number : int
         displacement : ndarray, shape (B, n_link)
-            Of the link.
+            Displacement of the link.
 
         Returns
         -------
@@ -166,7 +166,7 @@ def body_turns(
     links : sequence of LinkModel
         Unreduced.
     displacement : sequence of ndarray, shape (B, n_link), or None
-        Of the state about which matrices are linearized; None of straight links.
+        Displacement of the state about which matrices are linearized; None of straight links.
 
     Returns
     -------
@@ -224,7 +224,7 @@ class DeadMoments:
         loads : sequence of ndarray, shape (B, n_link)
             On the links; of a rigid one with the moment about its start.
         virial : ndarray, shape (B, n_links), optional
-            Of other loads on rigid links than inertia forces and weight.
+            Virial of other loads on rigid links than inertia forces and weight.
         displaced_inertia : sequence of sequence of ndarray, shape (2, B), optional
             See :meth:`flexmech.mechanics.DisplacedInertia.moments`; their moments are among the
             loads.
@@ -331,7 +331,7 @@ def without_spin_softening(
     stressed : StressedLinks
         Under dead loads.
     displaced_inertia : DisplacedInertia or None
-        Of links that rotate as one body.
+        Displaced inertia of links that rotate as one body.
 
     Returns
     -------

@@ -89,7 +89,7 @@ def link_boundary(topology: Topology, link: LinkModel) -> LinkBoundary:
     Parameters
     ----------
     topology : Topology
-        Of its linkage.
+        Topology of its linkage.
     link : LinkModel
         Unreduced.
 
@@ -214,7 +214,7 @@ class FixedInterfaceLink:
     Parameters
     ----------
     link : LinkModel
-        Of n coordinates.
+        Link of n coordinates.
     boundary : LinkBoundary
     constraint_modes : ndarray, shape (n, b)
         Static displacement by a unit of each boundary coordinate.

@@ -121,7 +121,7 @@ def field_coefficients(
     Parameters
     ----------
     angle : ndarray, shape (m,)
-        Of the link in rad.
+        Angle of the link in rad.
     origin : ndarray, shape (m, 2)
         Velocity or acceleration of its start in ground axes.
     turn, distance : ndarray, shape (m,)

@@ -25,7 +25,7 @@ def chain_matrix(elements: FloatArray) -> FloatArray:
     Parameters
     ----------
     elements : ndarray, shape (..., e, 2 p, 2 p)
-        Of p coordinates a node.
+        Elements of p coordinates a node.
 
     Returns
     -------
@@ -209,7 +209,7 @@ class LinkModel:
     fields : RigidFields
         Rigid accelerations in these coordinates (of the unreduced link only).
     reduced_ends : EndMatrices, optional
-        Of a reduced link; see :attr:`ends`.
+        Reduced ends of a reduced link; see :attr:`ends`.
     start_warping, end_warping : ndarray of int, shape (k,)
         Coordinates that a joint of any kind at that end fixes: its pin is in a fitting that keeps
         the cross-section plane.
@@ -224,10 +224,11 @@ class LinkModel:
     bodies : tuple of RigidBody
         Part of the straight link's matrices. A rigid link is one, mass off the axis one a node.
     uncounted_rotary_inertia : float
-        Of sections, kg m, that ``mass`` leaves out; see ``rigid_inertia`` in ``link_inertia``.
+        Uncounted rotary inertia of sections, kg m, that ``mass`` leaves out; see ``rigid_inertia``
+        in ``link_inertia``.
     vector_map : VectorMap, optional
-        Of the unreduced link, whose matrices are those of small displacements: to coordinates by
-        which its inertia is linear at finite ones, where these are others.
+        Vector map of the unreduced link, whose matrices are those of small displacements: to
+        coordinates by which its inertia is linear at finite ones, where these are others.
     """
 
     name: str
@@ -549,7 +550,7 @@ class StressedLinks:
     unstressed : bool
         Whether the tangents are the links' own stiffness, those of designs as they are.
     motion : RigidMotion, or None
-        Of the linkage in these positions, a batch of shape (B,); None where it is not kept.
+        Motion of the linkage in these positions, a batch of shape (B,); None where it is not kept.
     """
 
     tangent: Sequence[FloatArray]

@@ -17,8 +17,8 @@ from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
 from flexmech.linkages.inverse_dynamics import RANK_TOLERANCE
 from flexmech.mesh import curvature_at, shapes_at, station_shapes
 
-# Of the shortest element: the slope of a cubic is off by the square of it, the difference of its
-# deflections by round-off over it, both 1e-8 or less.
+# Small of the shortest element: the slope of a cubic is off by the square of it, the difference of
+# its deflections by round-off over it, both 1e-8 or less.
 SMALL = 1e-4
 # Nodes that determine the curvature at a place.
 CURVATURE_NODES = 3
@@ -98,7 +98,7 @@ class LinkReadings:
         Parameters
         ----------
         displacement : ndarray, shape (B, n)
-            Of an elastic link.
+            Displacement of an elastic link.
         places : ndarray, shape (s,)
             From the link's start in m.
         kinks : sequence of float

@@ -20,8 +20,8 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linkages import LinkBody, LinkMass, RigidMotion
 from flexmech.linkages.motion import direction, normal, quarter_turn
 
-# Of a second moment: what its differences leave of a body on the axis. An arm a millionth of the
-# radius of gyration long counts.
+# On axis of a second moment: what its differences leave of a body on the axis. An arm a millionth
+# of the radius of gyration long counts.
 ON_AXIS = 1e-12
 NOWHERE = np.zeros((3, 0))
 QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])

@@ -41,7 +41,7 @@ class StaticResponse:
     Parameters
     ----------
     topology : Topology
-        Of links that are all elastic.
+        Topology of links that are all elastic.
     links : sequence of FixedInterfaceLink
     motion : RigidMotion
         Batch of shape (B,).
@@ -115,7 +115,7 @@ class LinkPencil:
     Parameters
     ----------
     frames : LinkFrames
-        Of links that are all elastic, without bodies off the axis that turn.
+        Frames of links that are all elastic, without bodies off the axis that turn.
     motion : RigidMotion
         Batch of shape (B,).
     stressed : StressedLinks

@@ -74,7 +74,7 @@ class DrivenConnectors:
     ----------
     engine : Engine
     frames : LinkFrames
-        Of the reduced links.
+        Frames of the reduced links.
     follower_torque : bool
         Whether the torque that balances them turns with a free shaft.
     """

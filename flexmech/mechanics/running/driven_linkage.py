@@ -230,7 +230,7 @@ class StaticExpansion:
         ----------
         force : ndarray, shape (m, size)
         flexibility : ndarray, shape (m, i, i)
-            Of the condensed coordinates.
+            Flexibility of the condensed coordinates.
         eliminated : ndarray of bool, shape (size,)
             Coordinates that are condensed.
 
@@ -278,7 +278,7 @@ class Equations(EquationsOfMotion):
     expansion : StaticExpansion
         To the condensed coordinates of the frames.
     flexibility : ndarray, shape (m, i, i)
-        Of the condensed coordinates.
+        Flexibility of the condensed coordinates.
     """
 
     motion: RigidMotion
@@ -300,7 +300,7 @@ class Equations(EquationsOfMotion):
         motion : RigidMotion
             Batch of shape (m,).
         matrices : SystemMatrices
-            Of all coordinates of the frames.
+            Matrices of all coordinates of the frames.
         force : ndarray, shape (m, size)
         eliminated : ndarray of bool, shape (size,)
             Coordinates that are condensed.
@@ -340,7 +340,7 @@ class DrivenLinkage:
     stretches : bool
         Let straight links stretch in place of a prestress; see :func:`stretches_in_runs`.
     shaft_torque : ShaftTorque, optional
-        Of a motor on a free shaft.
+        Shaft torque of a motor on a free shaft.
 
     Attributes
     ----------
@@ -364,7 +364,7 @@ class DrivenLinkage:
     condensed : ndarray of bool, shape (size,)
         Which coordinates of the frames are condensed statically.
     stress : StressHistory
-        Of the reduced links.
+        Stress of the reduced links.
     """
 
     def __init__(

@@ -93,7 +93,7 @@ class ShaftTorque:
     coupling : RotorCoupling, optional
         Between rotor and shaft.
     recorded : list
-        Of :meth:`record`, which fills it.
+        Recorded of :meth:`record`, which fills it.
     """
 
     time: FloatArray
@@ -138,7 +138,8 @@ class ShaftTorque:
         time : ndarray, shape (m,)
             In s.
         matrices : SystemMatrices
-            Of all coordinates but the rotor's, (m, n, n): of the links, and of a frame on springs.
+            Matrices of all coordinates but the rotor's, (m, n, n): of the links, and of a frame on
+            springs.
         shaft : ndarray, shape (size,)
             By those of the links, that by which the shaft turns.
 
@@ -178,7 +179,7 @@ class ShaftTorque:
             In s.
         force : ndarray, shape (m, n)
         acceleration : ndarray, shape (m,)
-            Of the prescribed angle of the crank in rad/s^2.
+            Acceleration of the prescribed angle of the crank in rad/s^2.
         size : int
             Number of coordinates of the links, before those of a frame on springs.
         """
@@ -232,11 +233,11 @@ def with_rotor(
         on the crank; of one on a coupling only the torque on the crank counts.
     motor : Motor
     twist : ndarray, shape (m,)
-        Of the coupling in rad.
+        Twist of the coupling in rad.
     speed : ndarray, shape (m,)
-        Of the rotor at the crank, against the frame, in rad/s.
+        Speed of the rotor at the crank, against the frame, in rad/s.
     torque : ndarray, shape (m,)
-        Of the motor at the crank in N m.
+        Torque of the motor at the crank in N m.
 
     Returns
     -------
@@ -268,15 +269,15 @@ class DrivenShaft:
     engine : Engine
     drive : Drive
     frames : LinkFrames
-        Of the reduced links.
+        Frames of the reduced links.
     fields : tuple of ndarray, shape (n_link, 3)
-        Of each reduced link: unit displacements along and across, and unit rotation.
+        Fields of each reduced link: unit displacements along and across, and unit rotation.
     link : int
         That it drives.
     rows : ndarray, shape (2, n_link)
         By its coordinates ``d`` of the shaft; in linear equations zero and phi.
     given : ShaftTorque, optional
-        Of a motor, in place of the torque that drives the rigid linkage.
+        Torque of a motor, in place of the torque that drives the rigid linkage.
     """
 
     engine: Engine
@@ -460,7 +461,7 @@ class DrivenShaft:
         Parameters
         ----------
         run : Trajectory
-            Of the engine's links; where the shaft may turn far in the frames of the prescribed
+            Run of the engine's links; where the shaft may turn far in the frames of the prescribed
             motion, elsewhere in those frames already.
 
         Returns

@@ -42,7 +42,7 @@ class MovingGuides:
     ----------
     engine : Engine
     frames : LinkFrames
-        Of the reduced links of the run, without these sliders in its topology.
+        Frames of the reduced links of the run, without these sliders in its topology.
     links : sequence of RunLink
         Unreduced.
 
@@ -151,7 +151,7 @@ class LinkageStretch:
     ----------
     engine : Engine
     frames : LinkFrames
-        Of the reduced links.
+        Frames of the reduced links.
     links : sequence of RunLink
     others : int
         Coordinates of a frame on springs, which follow z and strain nothing.
@@ -159,7 +159,7 @@ class LinkageStretch:
     Attributes
     ----------
     strain : LinkStretch
-        Of all links and guides, by the augmented coordinates.
+        Strain of all links and guides, by the augmented coordinates.
     size : int
         Number p of augmented coordinates.
     end_count : int
@@ -223,7 +223,7 @@ class LinkageStretch:
         Parameters
         ----------
         turn : ndarray, shape (..., f, k)
-            Of :meth:`pin_rotations`.
+            Turn of :meth:`pin_rotations`.
         columns : ndarray, shape (..., n, r)
         """
         dependent = turn @ columns[..., : self.end_count, :]
@@ -260,7 +260,7 @@ class LinkageStretch:
         Parameters
         ----------
         motion : RigidMotion
-            Of one instant.
+            Motion of one instant.
         position : ndarray, shape (n,)
         """
         forces = StretchForces(self.strain, 1, 1.0)
@@ -278,7 +278,7 @@ class LinkageStretch:
         Parameters
         ----------
         matrices : SystemMatrices
-            Of m instants.
+            Matrices of m instants.
         motion : RigidMotion
         terms : RotationTerms
 

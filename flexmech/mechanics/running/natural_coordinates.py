@@ -148,9 +148,9 @@ def bar_stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
     ----------
     engine : Engine
     arm : float
-        Of the body in m.
+        Arm of the body in m.
     inertia : float
-        Of a shaft, in kg m^2: what a flywheel pulls at its bar must not stretch it either.
+        Inertia of a shaft, in kg m^2: what a flywheel pulls at its bar must not stretch it either.
 
     Returns
     -------
@@ -308,16 +308,16 @@ class TurningSections:
     bodies : tuple of (int, RigidBody)
         What is fixed to the sections, by their numbers.
     stiffness : ndarray, shape (k,)
-        Of the bar of each section against ``d_1``, in N m.
+        Stiffness of the bar of each section against ``d_1``, in N m.
     shapes : ndarray, shape (k, r)
         ``d_1`` of the sections by the r coordinates that the link has of it.
     mass_axis, neutral_axis : float
         Distances of an eccentric link's own axes from that of its coordinates in m; of such a link
         all nodes are among the sections.
     share : ndarray, shape (k,)
-        Of an eccentric link's own mass in kg.
+        Share of an eccentric link's own mass in kg.
     damping_time : float
-        Of the bars in s.
+        Damping time of the bars in s.
     """
 
     place: IntArray
@@ -358,7 +358,7 @@ class TurningSections:
         ----------
         engine : Engine
         number : int
-            Of the link.
+            Number of the link.
         neutral_axis : float
             Its distance from the axis in m.
 
@@ -497,9 +497,9 @@ def with_turning_sections(
     ----------
     engine : Engine
     topology : Topology
-        Of the run.
+        Topology of the run.
     number : int
-        Of the link.
+        Number of the link.
     link : RunLink
 
     Returns

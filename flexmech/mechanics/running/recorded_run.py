@@ -47,7 +47,7 @@ class FrameMotion:
     Parameters
     ----------
     displacement : ndarray, shape (m, 3)
-        Of its centre of mass along x and y in m, and its rotation in rad.
+        Displacement of its centre of mass along x and y in m, and its rotation in rad.
     rate : ndarray, shape (m, 3)
         Its time derivative.
     """
@@ -66,7 +66,7 @@ class LinkState:
         Each link's coordinates less those of the undeformed link, and their time
         derivatives in that frame.
     frame : FrameMotion, optional
-        Of a frame on springs, arrays of shape (1, 3); it stands as it is drawn if left out.
+        Frame of a frame on springs, arrays of shape (1, 3); it stands as it is drawn if left out.
     """
 
     displacement: list[FloatArray]
@@ -133,7 +133,7 @@ class ShaftMotion:
         ----------
         drive : Drive
         time : ndarray, shape (m,)
-            Of the instants, in s.
+            Time of the instants, in s.
 
         Raises
         ------
@@ -249,9 +249,9 @@ class Trajectory:
     step : float
         Time step in s.
     shaft : ShaftMotion, optional
-        Of a shaft that is free.
+        Shaft of a shaft that is free.
     frame : FrameMotion, optional
-        Of a frame on springs.
+        Frame of a frame on springs.
     """
 
     time: FloatArray
@@ -280,7 +280,7 @@ class Trajectory:
         coarser : Trajectory
             At the same samples.
         order : int
-            Of the method's error.
+            Order of the method's error.
 
         Returns
         -------
@@ -315,14 +315,14 @@ class StepBlock:
     time : ndarray, shape (m,)
         In s.
     crank_speed : ndarray, shape (m,)
-        Of the shaft as it turns, also where it is free.
+        Crank speed of the shaft as it turns, also where it is free.
     displacement, rate : list of ndarray, shape (m, n_link)
         Each link's coordinates in the frame of its rigid motion, less those of the
         undeformed link, and their time derivatives in that frame.
     joint_force : ndarray, shape (m, n_joints, 2)
         On the held or following link, ground axes, in the order of the topology's joints.
     driving_torque : ndarray, shape (m,)
-        Of the shaft on the clamped link about the shaft's axis.
+        Driving torque of the shaft on the clamped link about the shaft's axis.
     kinetic_energy, strain_energy, gravity_energy : ndarray, shape (m,)
     dissipation_power : ndarray, shape (m,)
         What damping takes out of the links, positive.
@@ -330,11 +330,11 @@ class StepBlock:
         What a prescribed, changing prestress puts into a linear model; zero in a
         nonlinear one.
     shaft : ShaftMotion, optional
-        Of a shaft that is free. Its inertia is part of the kinetic energy, and the frames
+        Shaft of a shaft that is free. Its inertia is part of the kinetic energy, and the frames
         are those of the rigid linkage at the angle that it has.
     frame : FrameMotion, optional
-        Of a frame on springs. Its energies are part of those above, and the frames of the links
-        are those of the rigid motion on a frame that stands.
+        Frame of a frame on springs. Its energies are part of those above, and the frames of the
+        links are those of the rigid motion on a frame that stands.
     """
 
     time: FloatArray
@@ -468,7 +468,7 @@ class SampleTimes:
     Parameters
     ----------
     time : ndarray, shape (N,)
-        Of the samples: increasing, inside the run.
+        Time of the samples: increasing, inside the run.
     step : float
         Time step in s.
 
@@ -500,7 +500,7 @@ class ForceRecord:
     band : float, optional
         Frequency in Hz up to which forces count; all frequencies where it is left out.
     weights : sequence of float
-        Of the filter's integral: see :class:`LowPass`.
+        Weights of the filter's integral: see :class:`LowPass`.
     """
 
     def __init__(

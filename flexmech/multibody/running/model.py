@@ -42,7 +42,7 @@ from flexmech.multibody.running.loads import (
 )
 from flexmech.multibody.running.user_functions import AngleGap, Shaft, load_history
 
-# Of the shaft, in ground axes in m.
+# Axis of the shaft, in ground axes in m.
 _AXIS = (0.0, 0.0)
 
 
@@ -60,11 +60,11 @@ class RunningModel:
     links : sequence of LinkModel
         The links' matrices in the same coordinates, for their weight.
     duration : float
-        Of the run in s.
+        Duration of the run in s.
     impacts : sequence of Impact
         Pulses on points of links.
     torque : TorqueTable or MotorOnHub, optional
-        Of a shaft that is free; it turns as prescribed where this is left out.
+        Torque of a shaft that is free; it turns as prescribed where this is left out.
 
     Attributes
     ----------
@@ -76,8 +76,8 @@ class RunningModel:
         The constraint on the hub's angle, which carries the driving torque; None where the
         shaft is free.
     constraints : dict of str to list of ItemNumber
-        Of each joint, without what keeps clamps and welds from turning; of a tie also those of
-        joints that depend on its following end.
+        Constraints of each joint, without what keeps clamps and welds from turning; of a tie also
+        those of joints that depend on its following end.
     sliders : dict of str to SliderJoint
         By their joints.
     connectors : RunningConnectors
@@ -227,7 +227,7 @@ class RunningModel:
         ----------
         position, velocity : ndarray, shape (size,)
         moved : FrameMotion, optional
-            Of a frame on springs, arrays of shape (1, 3).
+            Moved of a frame on springs, arrays of shape (1, 3).
 
         Returns
         -------
@@ -267,7 +267,7 @@ class RunningModel:
         position : ndarray, shape (size,)
             At time zero.
         moved : FrameMotion, optional
-            Of a frame on springs, arrays of shape (1, 3).
+            Moved of a frame on springs, arrays of shape (1, 3).
 
         Returns
         -------

@@ -37,7 +37,7 @@ class Shaft:
     final_speed : float
         In rad/s.
     pieces : tuple
-        Of (start, duration, c, ((a, w, phase), ...)) in s and rad; none of a constant
+        Pieces of (start, duration, c, ((a, w, phase), ...)) in s and rad; none of a constant
         speed.
     is_free : bool
         Whether the angle is that of the mean motion alone.
@@ -289,7 +289,7 @@ class AngleGap:
     ----------
     follower : JoinedEnd
     leader : JoinedEnd or None
-        Of a hub, the frame that it turns against.
+        Leader of a hub, the frame that it turns against.
     between : float
         From the leader, or the hub, to the follower in rad.
     on_hub : bool
@@ -407,7 +407,7 @@ class ClosedJoints:
     ----------
     shaft : Shaft
     gaps : list
-        Of the joints. Where they are closed in turn, of those that drift alone, a
+        Gaps of the joints. Where they are closed in turn, of those that drift alone, a
         leader's before its followers'.
     axis : JoinedEnd or None
         The shaft's axis on a frame that moves.

@@ -29,7 +29,7 @@ from flexmech.plots.style import Look
 OUTLINE = "0.35"
 GRAVITY_COLOR = "0.5"
 THIN: Look = {"color": OUTLINE, "lw": 0.5}
-# Of the strokes of the driven shaft in rad: those of the ground below it lean alike.
+# Hatch angle of the strokes of the driven shaft in rad: those of the ground below it lean alike.
 HATCH_ANGLE = np.radians(-135.0)
 # Turns of a spring between points and of one in a joint, as many as are told at its size, and share
 # of a spring that is straight at either end.
@@ -294,7 +294,7 @@ def body(place: FloatArray, centre: FloatArray, look: Look, size: float) -> list
     look : dict
         With its ``color``.
     size : float
-        Of the mark over the usual one.
+        Size of the mark over the usual one.
 
     Returns
     -------
@@ -463,7 +463,7 @@ def parts_of(dataset: xr.Dataset, positions: FloatArray, held: NDArray[np.bool_]
     dataset : Dataset
         Files of earlier versions have no such attribute.
     positions : ndarray, shape (configuration, link, station, 2)
-        Of the rigid linkage in m.
+        Positions of the rigid linkage in m.
     held : ndarray of bool, shape (link, 2)
         Whether the start and the end of each link stay in place.
 
@@ -587,7 +587,7 @@ JOINED, BESIDE = 0.12, 2.4
 FIRST, LAST, DEEP = np.radians(25.0), np.radians(155.0), 0.22
 
 BEARING: Look = {"ms": 7.0, "marker": "o", "mfc": "none", "mec": OUTLINE, "mew": 0.6, "zorder": 3.9}
-# Of the ring around a bearing with a damper over that without: both are told.
+# Damped of the ring around a bearing with a damper over that without: both are told.
 DAMPED = 1.4
 # Over the linkage's extent: half the width of a spring between points and of the wall that holds
 # it, which is wider; radius of a spring and of a damper in a joint, which is around it.
@@ -693,7 +693,7 @@ def joint_spring_symbols(posture: Posture, mark_size: float) -> list[Symbol]:
     ----------
     posture : Posture
     mark_size : float
-        Of the rings of bearings over the usual one.
+        Mark size of the rings of bearings over the usual one.
 
     Returns
     -------

@@ -31,7 +31,7 @@ from flexmech.units import from_si
 
 # Of a sweep, variables with a plot of their own, and outputs above each other in each.
 MOST_VARIABLES, MOST_OUTPUTS = 4, 6
-# Of Sobol's indices: what they are called, and how far beside their input they stand.
+# Shares of Sobol's indices: what they are called, and how far beside their input they stand.
 SHARES = (("first_order", "first order", -0.08), ("total", "total", 0.08))
 
 

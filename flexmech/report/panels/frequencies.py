@@ -220,7 +220,7 @@ def relative_error(data: xr.Dataset, engine: str, branch: int) -> float:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a Campbell diagram.
+        Data of a Campbell diagram.
     engine : str
     branch : int
 

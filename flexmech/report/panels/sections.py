@@ -32,7 +32,7 @@ LEAST_OUTLINED = 2.0
 LEGEND = 12.0
 
 Kind = tuple[str, float]
-"""Of a layer: name of its ply, and its angle in degrees."""
+"""Kind of a layer: name of its ply, and its angle in degrees."""
 
 
 @shows(SectionProfiles)
@@ -96,7 +96,7 @@ def stack_drawings(data: xr.Dataset) -> tuple[tuple[str, str], ...]:
     Parameters
     ----------
     data : xarray.Dataset
-        Of a ``ModelCheck``: faces, plies and angles of the layers.
+        Data of a ``ModelCheck``: faces, plies and angles of the layers.
 
     Returns
     -------

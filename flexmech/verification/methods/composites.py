@@ -30,7 +30,7 @@ from flexmech.sections import BeamSection, LaminateSection, SheetSection
 # no unit, so that E2 in Pa, the density in kg/m^3 and the thickness in m are any.
 ACROSS, DENSITY, THICKNESS = 1e9, 1000.0, 0.02
 KHDEIR_REDDY_PLY = Ply(40 * ACROSS, ACROSS, 0.6 * ACROSS, 0.6 * ACROSS, 0.5 * ACROSS, 0.25, DENSITY)
-# Of a beam, by which the mesh is off by less than the last digit that is published.
+# Elements of a beam, by which the mesh is off by less than the last digit that is published.
 ELEMENTS = 16
 
 
@@ -50,7 +50,7 @@ def laminate_stiffness(
     ply_thickness : float
         In m.
     angles : sequence of float
-        Of the fibres in each layer, in deg.
+        Angles of the fibres in each layer, in deg.
     order : int
         0, 1 and 2 are A, B and D.
 
@@ -74,7 +74,7 @@ def flexural_moduli(
     stacks : sequence of str
         Such as ``"CCGCC"``.
     rule : str
-        Of micromechanics.
+        Rule of micromechanics.
     fibre_volume_fraction : float
 
     Returns
@@ -99,13 +99,13 @@ def khdeir_reddy_beams(
     Parameters
     ----------
     angles : sequence of float
-        Of the layers, in deg.
+        Angles of the layers, in deg.
     slenderness : sequence of float
         Length over thickness.
     supports : sequence of {"SS", "CF", "CC"}
         Simple supports and free ends let the beam stretch.
     element : str
-        Of the reference engine.
+        Element of the reference engine.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def order_of_laminates(
     Parameters
     ----------
     stacks : sequence of str
-        Of straight carbon and glass plies, parallel to the plane of motion.
+        Stacks of straight carbon and glass plies, parallel to the plane of motion.
     proportions : sequence of (float, float, float)
         Crank, coupler and rocker of each linkage over its ground; the transmission angle is 90
         deg.

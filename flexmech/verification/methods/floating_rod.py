@@ -49,8 +49,8 @@ class FloatingRod:
     excess : float
         What the mass of the axial functions is taken too large by.
     order : {2, 3, 4}
-        Of the strain energy in which tension and slopes meet: 2 is linear, 3 has EA u' w'^2 / 2,
-        4 all of EA (u' + w'^2 / 2)^2 / 2.
+        Order of the strain energy in which tension and slopes meet: 2 is linear, 3 has EA u' w'^2 /
+        2, 4 all of EA (u' + w'^2 / 2)^2 / 2.
     """
 
     across: FloatArray
@@ -228,7 +228,7 @@ def rod_at_end(*, excess: float = 0.0, order: int = 2) -> FloatArray:
     excess : float
         What the mass of the axial functions is taken too large by.
     order : {2, 3, 4}
-        Of the strain energy.
+        Order of the strain energy.
 
     Returns
     -------
@@ -264,7 +264,7 @@ def rod_peak(*, order: int) -> FloatArray:
     Parameters
     ----------
     order : {3, 4}
-        Of the strain energy in which tension and slopes meet.
+        Order of the strain energy in which tension and slopes meet.
 
     Returns
     -------

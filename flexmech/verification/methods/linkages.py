@@ -27,7 +27,7 @@ def crunodes(
     temperature_rise : float
         In K.
     moisture : float
-        Of every resin: mass of water over its dry mass.
+        Moisture of every resin: mass of water over its dry mass.
 
     Returns
     -------
@@ -144,11 +144,11 @@ def _cusp(
     Parameters
     ----------
     name : str
-        Of the example.
+        Name of the example.
     thermal_expansion : float
-        Of links and frame, per K.
+        Thermal expansion of links and frame, per K.
     moisture_expansion : float
-        Of the links, per percent of water.
+        Moisture expansion of the links, per percent of water.
     temperature_rise : float
         In K.
     saturation : float
@@ -220,7 +220,7 @@ def crank_rocker_proportions(*, deviation: float, rocker_angle: float) -> FloatA
     Parameters
     ----------
     deviation : float
-        Of the transmission angle from 90 deg, in deg.
+        Deviation of the transmission angle from 90 deg, in deg.
     rocker_angle : float
         At crank angle zero, in deg.
 

@@ -12,7 +12,7 @@ from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FloquetModes, StatedPeriodicSystem, floquet_modes
 
 Combination = Literal["sum", "difference"]
-"""Of the coupling: two oscillators that push each other alike, or oppositely."""
+"""Combination of the coupling: two oscillators that push each other alike, or oppositely."""
 
 # Squares of the natural frequencies of the two oscillators, whose sum and difference are apart from
 # each other and from twice a frequency, and how deeply they are coupled.
@@ -72,7 +72,7 @@ def mathieu_boundaries(*, depth: float, order: int, steps: int) -> FloatArray:
     order : int
         1 for the principal band, about W = 2 w.
     steps : int
-        Of the propagator in a period.
+        Steps of the propagator in a period.
 
     Returns
     -------
@@ -94,10 +94,10 @@ def combination_modes(kind: Combination, drive: float, damping: float, steps: in
     Parameters
     ----------
     kind : {"sum", "difference"}
-        Of the frequencies that can resonate.
+        Kind of the frequencies that can resonate.
     drive, damping : float
     steps : int
-        Of the propagator in a period.
+        Steps of the propagator in a period.
 
     Returns
     -------
@@ -113,10 +113,10 @@ def combination_edges(*, kind: Combination, damping: float, steps: int) -> Float
     Parameters
     ----------
     kind : {"sum", "difference"}
-        Of the frequencies, which the drive meets in the middle of the band.
+        Kind of the frequencies, which the drive meets in the middle of the band.
     damping : float
     steps : int
-        Of the propagator in a period.
+        Steps of the propagator in a period.
 
     Returns
     -------
@@ -136,11 +136,11 @@ def resonance_modulus(*, kind: Combination, resonance: Combination, steps: int) 
     Parameters
     ----------
     kind : {"sum", "difference"}
-        Of the coupling.
+        Kind of the coupling.
     resonance : {"sum", "difference"}
-        Of the frequencies, at which they are driven.
+        Resonance of the frequencies, at which they are driven.
     steps : int
-        Of the propagator in a period.
+        Steps of the propagator in a period.
 
     Returns
     -------
@@ -158,7 +158,7 @@ def known_exponents(*, system: str, steps: int) -> FloatArray:
     system : str
         One of :func:`known_system`.
     steps : int
-        Of the propagator in a period.
+        Steps of the propagator in a period.
 
     Returns
     -------

@@ -29,7 +29,7 @@ class PlaneLink:
     Parameters
     ----------
     place : ndarray, shape (2, n)
-        Of its coordinates, in m.
+        Place of its coordinates, in m.
     is_along : ndarray of bool, shape (n,)
         Which of them are displacements along the link.
     stiffness_of_layers : list of sparse matrix, shape (n, n)

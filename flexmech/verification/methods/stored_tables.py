@@ -14,7 +14,7 @@ def stored_table(name: str) -> pd.DataFrame:
     Parameters
     ----------
     name : str
-        Of its file without the ending; comments there name the source.
+        Name of its file without the ending; comments there name the source.
 
     Returns
     -------
