@@ -1,8 +1,7 @@
 """The base of every result: a frozen object around a labelled dataset.
 
-NetCDF files: written as the CF conventions want them, read though they may be damaged.
-
-Tables as text of CSV files, in which a spreadsheet finds no formula.
+NetCDF files follow the CF conventions, and damaged ones are refused. CSV files hold no text that a
+spreadsheet takes for a formula.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """What a result says in words: tables and lines, for a terminal, a notebook or a script.
 
-Remarks of a result on its conditions: heat and moisture, and loads that it leaves out.
-
-The line that says how far printed numbers are known, and whether the engines agree.
+Remarks name the conditions: heat and moisture, and loads that are left out. The last line says how
+far the printed numbers are known, and whether the engines agree.
 """
 
 from __future__ import annotations

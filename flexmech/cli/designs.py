@@ -1,7 +1,4 @@
-"""Commands on a study file: many designs, how uncertain they are, and the best of them.
-
-Commands that ask much at once: a report, and the verification.
-"""
+"""Commands that compute much: studies of many designs, the report, the verification."""
 
 from __future__ import annotations
 

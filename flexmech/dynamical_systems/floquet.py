@@ -16,15 +16,13 @@ of comparable size). The multipliers of a group are the eigenvalues of the produ
 the diagonals of R_k alone. The modes follow backwards in time, where what is weak is not lost
 beside what is strong.
 
-Linear systems ``x' = A(t) x`` whose matrix repeats itself, and their transition matrices.
-
-The Magnus expansion of sixth order: the transition matrix of a step is the exponential of one
-matrix that is made of A at the three Gauss points and its commutators (S. Blanes, F. Casas,
-J. A. Oteo & J. Ros, The Magnus expansion and some of its applications, Physics Reports 470
-(2009) 151-238, section 5.4). What holds for the exact transition matrix holds for this one
-whatever the step: that of a Hamiltonian system is symplectic, its determinant is the exponential
-of the integral of the trace (Liouville), and what is strongly damped dies out. A constant system
-is solved exactly.
+Transition matrices of a system ``x' = A(t) x`` come from the Magnus expansion of sixth order: the
+transition matrix of a step is the exponential of one matrix that is made of A at the three Gauss
+points and its commutators (S. Blanes, F. Casas, J. A. Oteo & J. Ros, The Magnus expansion and some
+of its applications, Physics Reports 470 (2009) 151-238, section 5.4). What holds for the exact
+transition matrix holds for this one whatever the step: that of a Hamiltonian system is symplectic,
+its determinant is the exponential of the integral of the trace (Liouville), and what is strongly
+damped dies out. A constant system is solved exactly.
 
 The exponential is the Taylor polynomial of degree 16 of a matrix that is halved until its norm is
 small, squared as often (N. J. Higham, Functions of Matrices, SIAM 2008, section 10.3). All of it

@@ -7,7 +7,7 @@ keep their angle. A point on a line coincides with one that slides along it (Sha
 Dynamics*, ch. 3). The Jacobian transposed gives the joint forces; its rates in rotating frames give
 the linear constraints between elastic coordinates.
 
-Time-varying matrices with their first and second derivatives.
+A Jacobian is a :class:`MatrixWithRates`, with its first and second time derivatives.
 """
 
 from __future__ import annotations

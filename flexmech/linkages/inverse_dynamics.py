@@ -3,7 +3,8 @@
 Kumar & Chandrakar, eqs. 1.43-1.44 (link inertia force and moment) and 1.64-1.65 (lumped
 masses). All results are batched over the positions of a :class:`RigidMotion`.
 
-Constraint forces of clamps, pivots, pins, welds and sliders in the equations of motion.
+Joint forces are the constraint forces of clamps, pivots, pins, welds and sliders in the equations
+of motion.
 """
 
 from __future__ import annotations

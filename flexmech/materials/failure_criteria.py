@@ -1,12 +1,8 @@
 """Failure criteria of plies in plane stress, and by what factor the stress may still grow.
 
-The surfaces of the criteria are those of :mod:`flexmech.materials.failure_criteria`.
-
 Jones, *Mechanics of Composite Materials*, 2nd ed., sect. 2.9 (maximum stress, Tsai-Hill,
 Tsai-Wu); Hashin, *J. Appl. Mech.* 47 (1980) 329 (plane stress, in-plane shear counted in full with
 the fibres' tension); VDI 2014 part 3 (Puck).
-
-Pieces of failure surfaces in the space of a ply's stresses.
 
 Each criterion is a surface about the stress-free state, made of pieces: each piece is a quadric
 ``s Q s + q s = c`` in the stresses ``s`` = (1, 2, 12) of the ply's axes, and holds in a part of the

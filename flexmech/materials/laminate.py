@@ -5,9 +5,8 @@ thickness from the mid-plane, first layer at the lowest y. In-plane strains are 
 the order x, z, xz (the textbooks' 1, 2, 6), shear through the thickness in the order
 zy, xy (their 4, 5).
 
-A ply as a table of a model file: by its material, its constituents, or its constants.
-
-The notation of a stack, such as ``[C/G@45*2/C]s``.
+A stack is written as ``[C/G@45*2/C]s``, and a ply as a table of a model file: by its material, its
+constituents, or its constants.
 """
 
 from __future__ import annotations

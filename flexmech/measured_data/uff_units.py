@@ -1,6 +1,6 @@
-"""Units of universal files: data set 164, the codes of data set 58, and their SI units.
+"""What a universal file of a modal test holds, and its units.
 
-What a universal file of a modal test holds: points, functions at points, and modes.
+Points, functions at points, and modes; units by data set 164 and the codes of data set 58.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """Parameters of the engines, what is refused of them, and the beam theory that they choose.
 
-A shaft that is free: its rotation is one more coordinate of the linkage.
-
-The frames of the links go on turning with the prescribed, mean motion. Against it the shaft turns
-by a small angle, which is the rotation of the clamped end: on a hub that end moves with it. The
-shaft's inertia stands in the mass matrix by that coordinate. Its weight is on its axis.
+The rotation of a free shaft is one more coordinate of the linkage. The frames of the links go on
+turning with the prescribed, mean motion. Against it the shaft turns by a small angle, which is the
+rotation of the clamped end: on a hub that end moves with it. The shaft's inertia stands in the mass
+matrix by that coordinate. Its weight is on its axis.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""What a mechanism has besides linkage and sections: masses, pins, water, where it is from.
+"""What a mechanism has besides linkage and sections: masses, pins, water, and where it is from.
 
-The frame of a machine on springs: three coordinates under the linkage.
+A machine's frame on springs is one of its parts: three coordinates under the linkage.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Modes as a laboratory knows them: poles, residues, and residual terms for what lies outside.
 
-How alike two mode shapes are, and how far a shape is from a real one.
+The modal assurance criterion says how alike two shapes are, the complexity factor how far a shape
+is from a real one.
 """
 
 from __future__ import annotations

@@ -1,6 +1,4 @@
-r"""Identification of modes from measured receptances.
-
-Poles by peaks and circles, with nothing but NumPy and SciPy.
+r"""Identification of modes from measured receptances: poles by LSCF, or by peaks and circles.
 
 Near its resonance a mode draws a circle in the Nyquist diagram of the receptance,
 

@@ -1,6 +1,6 @@
 """Table of a model file for the drive of the crank, and the drive that it states.
 
-Values of a model file's [drive] for a motor and its speed control.
+A motor and its speed control are drives too.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Links as a model file names them, and places along them on the beams that engines know.
 
-From the tables of joints in a model file to their pins.
+Pins of joints are placed here as well.
 """
 
 from __future__ import annotations

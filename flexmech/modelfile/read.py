@@ -1,6 +1,7 @@
 """Reading model files: bytes, TOML, tables, mechanism; and commented ones to start from.
 
-What a model file states by its dotted keys, and the mechanism with some of it changed.
+Dotted keys name the quantities of a model file; with some of them changed it gives another
+mechanism.
 """
 
 from __future__ import annotations

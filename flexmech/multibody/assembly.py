@@ -3,7 +3,7 @@
 Static and running models differ in their loads, their supports and their drive. Both have one
 assembly, add these to it in their own order, and assemble the system.
 
-The frame on springs in a running Exudyn system: a rigid body under the linkage.
+A frame on springs is a rigid body under the linkage.
 """
 
 from __future__ import annotations

@@ -1,18 +1,17 @@
 """Links of a mechanism in an Exudyn system: their nodes, beams and bodies, and their coordinates.
 
-Coordinates of a beam are those of points on the pins' axis, less the reference ones; see
-:mod:`flexmech.multibody.links` for what leads from them to Exudyn's. Those of a rigid link are
-the place of its start and its angle, as in Exudyn: those of the one node of a chain without beams.
+Coordinates of a beam are those of points on the pins' axis, less the reference ones. Those of a
+rigid link are the place of its start and its angle, as in Exudyn: those of the one node of a chain
+without beams.
 
 Rigid bodies that are fixed to links of beams are hubs, counterweights, pistons. On an exact beam
 such a body shares the node, which turns. A cable's node has a slope and no angle: the body has a
 node of its own, pinned to the cable's and kept from turning against its slope.
 
-Maps from the coordinates of links to those of Exudyn's nodes, where these are not the same.
-
-A beam stretches and bends without coupling about its neutral axis, so its nodes are there, and all
-other parts use displacements of the pins' axis. With the neutral axis at the distance n and the
-section rotated by phi, a node is at ``u - n sin(phi)``, ``v + n (cos(phi) - 1)``.
+Maps lead from them to the coordinates of Exudyn's nodes, where these are not the same. A beam
+stretches and bends without coupling about its neutral axis, so its nodes are there, and all other
+parts use displacements of the pins' axis. With the neutral axis at the distance n and the section
+rotated by phi, a node is at ``u - n sin(phi)``, ``v + n (cos(phi) - 1)``.
 
 A cable's node has a slope vector ``(1 + s_x, s_y)``. A weld keeps the angle between two such
 vectors, and a body on a node turns with one; the stretch of each is the link's own. By stretch e

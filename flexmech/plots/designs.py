@@ -1,10 +1,7 @@
 """Outputs over what varies: lines, contours or points, with their limits.
 
-What is read of the dataset of a study: its variables, outputs, goals and limits.
-
-The best designs of a study: what one goal costs of the others, and the search.
-
-How uncertain outputs are, and which input makes them so.
+The best designs show what one goal costs of the others; uncertain outputs, which input makes them
+so.
 """
 
 from __future__ import annotations

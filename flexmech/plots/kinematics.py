@@ -1,8 +1,6 @@
-"""The rigid linkage: motion, joint forces and drive, transmission angles, and paths of points.
+"""The rigid linkage: motion of points and links, joint forces, drive, transmission angles, paths.
 
-Points and sliders over the crank angle: position, velocity and acceleration.
-
-What drives a crank: a law of motion and what rings after its stop, or a motor.
+The drive is a law of motion, with the vibration after its stop, or a motor.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What the running linkage does against time: deflections, strains, torque and forces.
 
-What a shaper does to a move and its rest.
+A shaped move stands beside the plain one.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
-"""Stability maps: growth rate, multipliers and unstable bands over crank speed.
+"""Stability over crank speed: growth rate, multipliers, unstable bands, Floquet modes.
 
-Stability maps over crank speed and a second parameter.
-
-Floquet modes over crank speed: their frequencies, and the harmonics that they are made of.
+A map may go over a second parameter as well. Floquet modes have frequencies and harmonics.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Reference engine: plane beam elements of four theories on NumPy and SciPy alone.
 
-Second-order stretch of a chain of beam elements.
+In runs its links stretch by the square of their slopes.
 """
 
 from __future__ import annotations

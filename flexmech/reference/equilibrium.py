@@ -10,9 +10,8 @@ which the step's own linear equations lead, as if tension were an unknown beside
 (Magisano, Leonetti & Garcea 2017, Computer Methods in Applied Mechanics and Engineering 313,
 986-1005). The equilibrium is the same, and is reached in one or two steps less.
 
-Forces and tangents of all links displaced from their straight places, at all crank angles.
-
-Arrays inside end with the batch of positions.
+Forces and tangents are those of all displaced links at all crank angles; arrays inside end with the
+batch of positions.
 """
 
 from __future__ import annotations

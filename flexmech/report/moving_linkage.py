@@ -4,7 +4,7 @@ Posture is computed from the geometry at every degree. Mode shapes and deflectio
 the frame of each link, so that between two samples a link turns as a rigid one does and only the
 small elastic displacement is interpolated.
 
-What a page holds as text: numbers, JSON, equations and plotly.js; none ends an element.
+Numbers and JSON stand in the page as text that ends no element.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""From results to one HTML file that needs nothing else: no network, no Python.
-
-Tables of results as a page shows them: without rows none, and no wider than they must be.
-"""
+"""From results to one HTML file that needs nothing else: no network, no Python."""
 
 from __future__ import annotations
 

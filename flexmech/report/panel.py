@@ -3,7 +3,7 @@
 Everything here is plain data. The page's script draws it, moves the cursors and shows readings;
 nothing is computed in the browser but the place between two samples.
 
-Plots of the report's page: pictures of ``flexmech.plots`` as plotly has them, and a cursor.
+Plots are pictures of ``flexmech.plots``, drawn by plotly, with a cursor.
 """
 
 from __future__ import annotations

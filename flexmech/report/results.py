@@ -1,6 +1,6 @@
 """The results that a report shows: their kinds, where they lie, and words for them.
 
-The last turn of a run, over crank angle, with as many samples as a screen shows.
+A run is shown over its last turn, with as many samples as a screen shows.
 """
 
 from __future__ import annotations

@@ -6,9 +6,8 @@ stress), and free edges let plies at different angles go
 cylindrical bending). For Reddy's theory the higher-order resultants and strains are treated
 alike.
 
-How shear is spread through a section: by equilibrium, Reddy's theory, and the zigzag beam.
-
-Cross-sections of the zigzag beam warp as equilibrium asks. Bending that changes along the link
+Shear is spread through a section by equilibrium, by Reddy's theory, or as in the zigzag beam, whose
+cross-sections warp as equilibrium asks. Bending that changes along the link
 needs a shear stress through the thickness (Jourawski); in every layer the shear strain is that
 stress over the layer's modulus. Its integral is the shape into which the cross-section warps:
 kinked at each interface, steep in a soft layer, flat in a stiff one. Reddy's fixed cubic shears

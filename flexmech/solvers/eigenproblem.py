@@ -1,14 +1,12 @@
 """The frozen eigenproblem of a linear system, in many positions at once.
 
-The quadratic eigenproblem of damped or turning systems, and which of its modes oscillate.
-
-``(lambda^2 M + lambda C + K) x = 0``. Strong damping lets high modes creep back instead of
-swinging: each gives two real eigenvalues, a fast one and one near ``-1 / tau``, slower perhaps
-than modes that oscillate. A shape x has the natural frequency ``sqrt(x^H K x / x^H M x)``. A mode
-that oscillates shows it in ``|lambda|`` and one that creeps is slower, in a turning frame perhaps
-on a spiral with a small imaginary part. Which modes are the lowest is decided by the natural
-frequencies of their shapes, so that no creeping mode is passed over, and none counts that lies
-above those asked for.
+Damped or turning systems have the quadratic eigenproblem ``(lambda^2 M + lambda C + K) x = 0``.
+Strong damping lets high modes creep back instead of swinging: each gives two real eigenvalues, a
+fast one and one near ``-1 / tau``, slower perhaps than modes that oscillate. A shape x has the
+natural frequency ``sqrt(x^H K x / x^H M x)``. A mode that oscillates shows it in ``|lambda|`` and
+one that creeps is slower, in a turning frame perhaps on a spiral with a small imaginary part. Which
+modes are the lowest is decided by the natural frequencies of their shapes, so that no creeping mode
+is passed over, and none counts that lies above those asked for.
 
 It is solved as one of matrices of twice the size, the companion form. A shaft that turns freely
 adds a mode that deforms nothing: at rest its two eigenvalues are zero, and the stiffness has no

@@ -3,9 +3,8 @@
 What follows from their exponents alone, and the error of the steps of a turn, or of round-off
 where no steps are needed.
 
-What stability needs of the linkage at a crank speed: a small periodic system and its shapes.
-
-Its frequencies decide the steps of the propagator in a turn, which must fit into memory.
+:class:`VibratingLinkage` is the linkage at a crank speed: a small periodic system and its shapes,
+whose frequencies decide the steps of the propagator in a turn, which must fit into memory.
 """
 
 from __future__ import annotations

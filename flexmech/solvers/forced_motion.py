@@ -1,10 +1,9 @@
-"""Transfer of the running linkage from a force at one point to a displacement at another.
+"""Forced periodic motion of the running linkage in its moving modes.
 
-Force and displacement are in the axes of their links' rigid frames. The truncated modes, all
+The transfer from a force at one point to a displacement at another takes both in the axes of their
+links' rigid frames. The truncated modes, all
 faster than the moving modes, respond statically (residual flexibility): by the flexibility of the
 links at each crank angle less that of the moving modes.
-
-Forced periodic system of the running linkage in its moving modes.
 
 The linear equations of :mod:`flexmech.mechanics.running.driven_linkage` are sought in
 the moving modes of :mod:`flexmech.solvers.moving_modes`. The loads are the

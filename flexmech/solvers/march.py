@@ -1,18 +1,17 @@
-"""Trapezoidal rule for a driven linkage with linear equations, interpolated between positions.
+"""Steps in time of a driven linkage: the trapezoidal rule, and a rule of fourth order.
 
 The matrices of a driven linkage are smooth functions of the crank angle. At a constant speed
 what a step makes of them is solved at some hundred positions of a turn and interpolated from
 there (Lagrange), which costs a step a fraction of its own solution; while the shaft speeds up,
 every step is solved.
 
-Lobatto's fourth-order method for links that stretch by the square of their slopes.
-
-The equations of both stages of a double step are solved for all forces at once, at positions of a
-turn between which the solutions are interpolated. The nonlinear forces are
-iterated by a modified Newton's method with the tangent of the straight links. Within a pass the
-links first relax the stretch by their slopes, which is most of the solution; the remaining tension
-then acts on the slopes (block Gauss-Seidel). Slopes are small, so that a pass gains about two
-digits; where it does not, Newton's method takes the tangent of the bowed links.
+Links that stretch by the square of their slopes take Lobatto's method of fourth order. The
+equations of both stages of a double step are solved for all forces at once, at positions of a turn
+between which the solutions are interpolated. The nonlinear forces are iterated by a modified
+Newton's method with the tangent of the straight links. Within a pass the links first relax the
+stretch by their slopes, which is most of the solution; the remaining tension then acts on the
+slopes (block Gauss-Seidel). Slopes are small, so that a pass gains about two digits; where it does
+not, Newton's method takes the tangent of the bowed links.
 """
 
 from __future__ import annotations

@@ -1,14 +1,11 @@
 """The periodic motion of the running linkage at large displacements, stable or not.
 
-Found by Newton's method from the quasi-static equilibrium
-(:mod:`flexmech.solvers.periodic_motion`) and not by running a transient out: an
-unstable motion is found as well as a stable one, and what is found has no numerical damping. Where
+Newton's method finds it from the quasi-static equilibrium, without running a transient out: an
+unstable motion is found as well as a stable one, and the motion has no numerical damping. Where
 the direct way fails, continuation in a damping proportional to the mass leads the way, with less of
 it from one motion to the next and none in the end.
 
-Newton's method for the periodic motion of links with nonlinear internal forces.
-
-Its steps are solved by GMRES. The preconditioner splits the coordinates of each sample by its
+Newton's steps are solved by GMRES. The preconditioner splits the coordinates of each sample by its
 frozen modes: those that the harmonics of the orbit can excite are dynamic, with the whole linear
 periodic problem solved for them (collocation, one matrix over all samples); the others respond
 quasi-statically, so that a bowed link is free to stretch. A step changes bending modes along

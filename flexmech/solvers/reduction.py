@@ -1,6 +1,7 @@
 """The error of component modes, and how many of them are enough.
 
-Eigenvalues of sparse matrices, improved from approximate ones by inverse iteration.
+The unreduced links give the error: inverse iteration improves the reduced eigenvalues with
+their sparse matrices.
 """
 
 from __future__ import annotations

@@ -5,12 +5,10 @@ square of their slopes by Lobatto's method of fourth order: what a step of them 
 on the forces that are not linear, of which longer steps ask for fewer. Runs with large
 displacements are those of an engine that simulates.
 
-Joint forces, torque and energies of a linkage by its linear equations of motion.
-
-Everything is that of the model whose equations are integrated: velocities and accelerations
-of the points of each link are exact for small displacements in rotating frames, so that the
-work of the shaft's torque is the change of kinetic and strain energy plus the dissipated energy, up
-to the error of the time step.
+Joint forces, torque and energies are those of the model whose equations are integrated: velocities
+and accelerations of the points of each link are exact for small displacements in rotating frames,
+so that the work of the shaft's torque is the change of kinetic and strain energy plus the
+dissipated energy, up to the error of the time step.
 """
 
 from __future__ import annotations

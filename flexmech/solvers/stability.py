@@ -1,18 +1,15 @@
 """Floquet modes of one engine's linkage at any crank speed, with the error of their steps.
 
-Which Floquet mode belongs to which branch of natural modes, speed after speed.
+Branches of natural modes are numbered by frequency at a low crank speed and tracked by the shapes
+of the modes. The phase of a mode along the turn changes fast with the crank speed, its shape at a
+crank angle does not: shapes are compared angle by angle. Where two modes meet and one of them
+grows, both are mixtures; the last unmixed shape of each branch stays the one to compare with.
 
-Branches are numbered by frequency at a low crank speed and tracked by the shapes of the modes.
-The phase of a mode along the turn changes fast with the crank speed, its shape at a crank angle
-does not: shapes are compared angle by angle. Where two modes meet and one of them grows, both are
-mixtures; the last unmixed shape of each branch stays the one to compare with.
-
-A window of crank speeds over which the linkage's small periodic system is interpolated.
-
-Stress and moving modes change smoothly with the crank speed. At the nodes of Chebyshev polynomials
-the system is built, with the same fixed basis; in between its Fourier coefficients follow by
-interpolation, which costs next to nothing. The last Chebyshev coefficient tells the error.
-Equilibria at some crank speeds start the search for another one.
+The linkage's small periodic system is interpolated over a window of crank speeds. Stress and moving
+modes change smoothly with the crank speed. At the nodes of Chebyshev polynomials the system is
+built, with the same fixed basis; in between its Fourier coefficients follow by interpolation, which
+costs next to nothing. The last Chebyshev coefficient tells the error. Equilibria at some crank
+speeds start the search for another one.
 """
 
 from __future__ import annotations

@@ -3,12 +3,8 @@
 Modes are compared by the mass-weighted modal assurance criterion and assigned one to one;
 nothing is re-sorted in silence: the score is kept, veering is flagged, and a branch that
 is lost or does not return to itself after a full turn says so. Where the score is not clear the
-step is divided; see :mod:`flexmech.solvers.tracking`.
+step is divided.
 Two modes veer where they come close, exchange their shapes and part again, each in its order.
-
-Assignment of the modes of two positions, and positions between that make it clear.
-
-Modes are alike by the mass-weighted modal assurance criterion.
 
 Two modes whose frequencies come close exchange their shapes. Near there they are two lines that
 are coupled: with the least gap g of the frequencies, and the rate s at which they part farther

@@ -1,8 +1,7 @@
 """Designs given to workers, and kept as they come back.
 
-Outputs of many designs in a Zarr store that an interrupted study can go on with.
-
-Designs of a search, kept as they are computed, so that it can be repeated from them.
+Outputs stand in a Zarr store with which an interrupted study goes on, and from which a search can
+be repeated.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The best design: several goals by a genetic algorithm, one goal from many starts.
 
-The best design of a search, computed anew by both engines; what becomes of one that fails.
+Both engines compute the best design of a search anew.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What a study computes of every design.
 
-Peaks of a design over a turn of the crank, sought between crank angles as well.
+Peaks over a turn of the crank are sought between crank angles as well.
 """
 
 from __future__ import annotations

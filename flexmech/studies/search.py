@@ -1,11 +1,10 @@
 """The search for the best designs: of one goal from many starts, of several by NSGA-II.
 
-Search for the best designs where each costs a second or more: a model says where to look.
-
-Radial basis functions interpolate the outputs of the designs that are known (Gutmann 2001, *Journal
-of Global Optimization* 19, 201-227). Round by round the design that is best by the model is
-computed, and one far from all others that may be better (Regis and Shoemaker 2007, *INFORMS Journal
-on Computing* 19, 497-509). What is given back is computed itself, never the model's.
+Where a design costs a second or more, a model of the outputs says where to look. Radial basis
+functions interpolate the outputs of the designs that are known (Gutmann 2001, *Journal of Global
+Optimization* 19, 201-227). Round by round the design that is best by the model is computed, and one
+far from all others that may be better (Regis and Shoemaker 2007, *INFORMS Journal on Computing* 19,
+497-509). What is given back is computed itself, never the model's.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """How uncertain the outputs are where properties are, and which property makes them so.
 
-Natural frequencies over the crank angle of a sample of designs: medians and intervals.
-
-Sobol's indices of sampled outputs: the share of every input in their variance.
+Over the crank angle, natural frequencies have medians and intervals. Sobol's indices are the share
+of every input in the variance of an output:
 
 Saltelli et al. 2010, *Computer Physics Communications* 181, 259-270, table 2 (b) and (f), with
 intervals by the bootstrap (Efron 1987, *Journal of the American Statistical Association* 82,

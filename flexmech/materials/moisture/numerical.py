@@ -1,15 +1,12 @@
 """Diffusion through layers in changing ambient conditions, by finite volumes and SciPy's BDF.
 
-Cells of layers that water diffuses through, fine where it moves first; waves across a bar.
-
-Finite volumes of Fick's law, in the water that has passed each face of their cells.
-
-The saturation of a cell follows from what has come in and gone out of it, so that no water is
-lost or made whatever a solver does in time; that is left to SciPy. Water flows from cell to cell
-by the difference of their saturations, which do not jump where materials meet, over the
-resistances of the two half cells between the centres. Rows are the waves that the saturation
-across the width is made of (one row, without sides, in a slab); each loses water through the
-sides at a rate of its own.
+Cells are fine where water moves first. Fick's law is written in the water that has passed each face
+of a cell. The saturation of a cell follows from what has come in and gone out of it, so that no
+water is lost or made whatever a solver does in time; that is left to SciPy. Water flows from cell
+to cell by the difference of their saturations, which do not jump where materials meet, over the
+resistances of the two half cells between the centres. Rows are the waves that the saturation across
+the width is made of (one row, without sides, in a slab); each loses water through the sides at a
+rate of its own.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ Coordinates of an element are those of its two nodes, one node after the other: 
 of the pins' axis along and across, rotation of the section, and what else the element has
 (:mod:`flexmech.mechanics.beams.theories`). Gauss points integrate every product exactly.
 
-A straight link assembled of beam elements.
+A straight link is assembled of such elements.
 """
 
 from __future__ import annotations

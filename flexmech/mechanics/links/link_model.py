@@ -1,6 +1,7 @@
 """Matrices of one link in its frame, for small displacements about the rigid motion.
 
-Matrices of links of consecutive elements, in many positions.
+A link is a chain of consecutive elements; its matrices are summed node by node, in many positions
+at once.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
-"""From blocks of time steps to evenly sampled histories and an energy balance.
+"""What a run in time starts from, and what is recorded of it: histories and an energy balance.
 
 Both engines hand over their steps block by block, so that the memory of a long run is that
 of its samples. Energies are summed over every step; histories are kept at the samples.
-
-Initial states, impacts and shaft motion of runs in time, and their histories at samples.
 """
 
 from __future__ import annotations

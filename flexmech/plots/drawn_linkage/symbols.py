@@ -1,8 +1,6 @@
-"""Symbols of what belongs to a linkage: each is a line or a polygon of places in m.
+"""Symbols of a linkage in one posture: joints, masses, bodies, springs, dampers and loads.
 
-Joints, masses, bodies, springs and loads of a linkage, placed in one of its postures.
-
-Springs and dampers of a linkage in one posture: their symbols, between points and in joints.
+A symbol is a line or a polygon of places in m.
 """
 
 from __future__ import annotations
