@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from _elamy_linkages import published_case
+from elamy_linkages import published_case
 from hypothesis import given, settings
 
 from flexmech import FourBar, InputError, crank_rocker_synthesis, synthesize_crank_rocker

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
-from _elamy_linkages import (
+from elamy_linkages import (
     crank_rocker,
     crank_rocker_file,
     position_angles,
@@ -13,7 +13,7 @@ from _elamy_linkages import (
     published_tables,
     with_rigid_joints,
 )
-from _elamy_tables import property_table
+from elamy_tables import property_table
 
 from flexmech import ReferenceEngine, natural_frequencies
 from tests.support.command import MODELS

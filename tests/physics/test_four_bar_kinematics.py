@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from _elamy_linkages import published_case
+from elamy_linkages import published_case
 from pylinkage.actuators import Crank
 from pylinkage.components import Ground
 from pylinkage.dyads import RRRDyad

@@ -252,7 +252,7 @@ def test_a_frame_bears_the_angular_momentum_of_a_rotor_behind_a_gear(
     arm = stiffened(replace(arm, drive=MotorDrive(motor, time=0.1)), 30.0)
     inertia = 2e-3 + float(arm.link_masses_in_order[0].moment(2))
     asked = ResponseRequest(arm.drive, start="rigid", samples=2000, modes=1, step=5e-5)
-    runs = [kinematics(arm, KinematicsRequest(drive=arm.drive)).dataset]
+    runs = [kinematics(arm).dataset]
     runs += [
         response(make(arm, 2), asked).dataset.isel(engine=0)
         for make in (ReferenceEngine, ExudynEngine)
