@@ -279,15 +279,22 @@ class StatedField(NamedTuple):
         return texts if self.pair else texts[0]
 
 
+_HINTS: dict[type, dict[str, Any]] = {}
 _STATED: dict[type, dict[str, StatedField]] = {}
+
+
+def hints(kind: type) -> dict[str, Any]:
+    """Annotations of a dataclass's fields with their marks, by their names."""
+    if kind not in _HINTS:
+        _HINTS[kind] = get_type_hints(kind, include_extras=True)
+    return _HINTS[kind]
 
 
 def quantities(kind: type) -> dict[str, StatedField]:
     """Fields of a dataclass that hold quantities, by their names."""
     if kind not in _STATED:
-        hints = get_type_hints(kind, include_extras=True)
         given = {field.name: field.default for field in fields(kind)}
-        stated = {name: _stated(hints[name], default) for name, default in given.items()}
+        stated = {name: _stated(hints(kind)[name], default) for name, default in given.items()}
         _STATED[kind] = {name: field for name, field in stated.items() if field is not None}
     return _STATED[kind]
 

@@ -15,7 +15,6 @@ from typing import (
     Self,
     TypeVar,
     get_origin,
-    get_type_hints,
 )
 
 from pydantic import (
@@ -138,7 +137,7 @@ class RecordTable(Table):
             cls.records = records
         taken = {name for kind in cls.__mro__ for name in get_annotations(kind)}
         for record in records:
-            hints = get_type_hints(record, include_extras=True)
+            hints = si.hints(record)
             for field in fields(record):
                 name, hint = field.name, hints[field.name]
                 word = hint is bool or get_origin(hint) is Literal

@@ -49,7 +49,7 @@ from flexmech.sections import (
 
 
 def build_mechanism(
-    tables: ModelFile, shown: str, file: str, sha256: str, folder: Path = Path()
+    tables: ModelFile, shown: str, provenance: Provenance, folder: Path = Path()
 ) -> Mechanism:
     """Mechanism of a model file whose keys and units are right.
 
@@ -58,8 +58,8 @@ def build_mechanism(
     tables : ModelFile
     shown : str
         What messages call the file.
-    file, sha256 : str
-        Base name and hash for the provenance.
+    provenance : Provenance
+        Of the mechanism.
     folder : Path
         Where files that the model names are looked for.
 
@@ -124,7 +124,7 @@ def build_mechanism(
         gravity=tables.environment.gravity,
         operating_speeds=tuple(speed.value for speed in tables.operation.crank_speeds),
         speed_unit=tables.operation.speed_unit,
-        provenance=Provenance(tables.name, tables.source, file, sha256),
+        provenance=provenance,
         coupler_point=point,
         reference_temperature=tables.environment.reference_temperature,
         ground_thermal_expansion=tables.linkage.ground_thermal_expansion,

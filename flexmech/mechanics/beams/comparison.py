@@ -270,4 +270,5 @@ def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
         own, ends = restrained_beam(links.mechanism, name)
         chain = build_chain(name, own, mass, elements, BEAM_SHAPES["timoshenko"])
         return chain.model if ends is None else ends.restrain(chain, mass.mass_per_length).model
-    return build_chain(name, section, mass, elements, BEAM_SHAPES[theory]).model
+    # In the words of an engine without loads, which then has the chain at no cost.
+    return build_chain(name, section, mass, elements, BEAM_SHAPES[theory], ()).model
