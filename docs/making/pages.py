@@ -28,11 +28,10 @@ TOLD = 5.0
 
 # What takes longest starts first, so that no core waits for it in the end.
 LONG = (
-    "instability_confirmed",
-    "running_fourbars",
-    "moisture_and_stability",
-    "composite_thresholds",
-    "elamy_2023",
+    "13_instability_confirmed",
+    "11_moisture_and_stability",
+    "papers/elamy_thresholds",
+    "papers/elamy_2023",
 )
 
 
