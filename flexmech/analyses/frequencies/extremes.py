@@ -138,7 +138,7 @@ def _through(nodes: FloatArray, values: FloatArray, at: FloatArray) -> FloatArra
     total = np.zeros(at.shape)
     with np.errstate(divide="ignore", invalid="ignore"):
         for n, (node, value) in enumerate(zip(nodes, values, strict=True)):
-            others = np.delete(nodes, n, axis=0)
+            others = nodes[np.arange(len(nodes)) != n]
             total += value * _distances(others, at) / np.prod(node - others, axis=0)
     return total
 
