@@ -228,7 +228,8 @@ class Engine(EngineParameters):
         carried = CarriedLinkage.of(self.mechanism, system.frames, self.links, system.bases)
         if carried is not None:
             matrices = SystemMatrices(system.mass, system.damping, system.stiffness)
-            matrices = carried.added(system.motion, matrices, terms, system.expansion)
+            at = system.motion, matrices, terms, system.expansion
+            matrices = carried.added(*at, prestress=prestress)
             system = replace(system, **vars(matrices), carried=carried)
         return replace(system, rigid_modes=self.rigid_modes, circulates=self.connectors.circulates)
 

@@ -15,14 +15,14 @@ Forces and places in a link's frame are complex numbers: along it, and across it
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages import LinkBody, RigidMotion, turned
+from flexmech.linkages import LinkBody, RigidMotion
 from flexmech.linkages.inverse_dynamics import (
     connection_matrix,
     connections,
@@ -162,11 +162,10 @@ class DisplacedLinks:
         DisplacedLinks
         """
         connectors, at = engine.connectors, motion if drawn is None else drawn
-        acting = connectors.point_forces(at, displacement, time) if connectors.any else []
-        if turn is not None:
-            loads = len(engine.mechanism.loads)
-            acting[:loads] = [replace(x, force=turned(x.force, -turn)) for x in acting[:loads]]
-        links = engine.mechanism, engine.links, motion, displacement, tuple(acting)
+        acting: tuple[PointForce, ...] = ()
+        if connectors.any:
+            acting = tuple(connectors.point_forces(at, displacement, time, turn=turn))
+        links = engine.mechanism, engine.links, motion, displacement, acting
         return cls(*links, rate, acceleration)
 
     def section_forces(self, link: int, place: FloatArray) -> FloatArray:

@@ -62,17 +62,10 @@ def check_shaft(inertia: float, drive: object) -> None:
         raise InputError(f"drive: a locked crank does not turn; {remedy}")
 
 
-def check_frame(frame: object, loads: Sequence[Load]) -> None:
-    """Refuse what is no frame on springs; and loads that turn with links which it carries."""
-    if frame is None:
-        return
-    check_instance(frame, SprungFrame, "frame", "give a SprungFrame, or leave it out")
-    for load in loads:
-        if load.axes == "link":
-            raise InputError(
-                f"frame: the load {load.name} turns with its link, which is not computed where the "
-                'frame is on springs; give the load axes = "ground", or leave out the frame'
-            )
+def check_frame(frame: object) -> None:
+    """Refuse what is no frame on springs."""
+    if frame is not None:
+        check_instance(frame, SprungFrame, "frame", "give a SprungFrame, or leave it out")
 
 
 def checked_speeds(speeds: Iterable[float]) -> tuple[float, ...]:

@@ -150,7 +150,7 @@ class Mechanism:
         object.__setattr__(self, "linkage", sprung_linkage(self.linkage, self.joint_springs))
         check_pair(self.gravity, "gravity", "m/s^2")
         check_shaft(self.shaft_inertia, self.drive)
-        check_frame(self.frame, self.loads)
+        check_frame(self.frame)
         object.__setattr__(self, "operating_speeds", checked_speeds(self.operating_speeds))
         try:
             to_si(1.0, self.speed_unit, units.ANGULAR_SPEED)

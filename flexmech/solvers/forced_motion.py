@@ -435,7 +435,10 @@ def _of_connectors(turn: SampledTurn, stressed: StressedLinks) -> FloatArray:
         mass = np.eye(q.shape[1]) if link.rigid else basis.T @ (link.mass @ basis)
         reduced.append(np.linalg.solve(mass, weighted.T).T[..., None])
     z = turn.frames.independent(turn.displaced, reduced)
-    return np.asarray((connected.stiffness[..., : z.shape[1]] @ z)[..., 0])
+    count = z.shape[1]  # forces on a frame on springs are those of straight links
+    forces = np.zeros((len(z), turn.size))
+    forces[:, :count] = (connected.stiffness[:, :count, :count] @ z)[..., 0]
+    return forces
 
 
 def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArray:

@@ -39,7 +39,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import differentiation_matrices
-from flexmech.linkages import RigidMotion, carried_motion, turned
+from flexmech.linkages import RigidMotion, carried_motion
 from flexmech.linkages.motion import cross, direction, normal
 from flexmech.mechanics import (
     AttachedPoint,
@@ -155,7 +155,7 @@ class RunningForces:
     def pushes(self, moving: LinkMotion) -> tuple[list[PointForce], list[PointForce]]:
         """Forces of loads and of springs on points of the displaced links.
 
-        In axes that have turned with a frame on springs, against which loads turn back.
+        In axes that have rotated with a frame on springs, against which dead loads rotate back.
 
         Parameters
         ----------
@@ -166,13 +166,10 @@ class RunningForces:
             return [], []
         displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
         connectors, at = self._engine.connectors, (self.motion, displacement)
-        pushes = [*connectors.point_forces(*at, rate=rate), *connectors.radial_forces(*at, rate)]
-        loads, back = len(self._engine.mechanism.loads), self.motion.angle - self.whole.angle
-        turned_back = [
-            replace(push, force=turned(push.force, back[:, push.point.link]))
-            for push in pushes[:loads]
-        ]
-        return turned_back, pushes[loads:]
+        turn = self.whole.angle[:, 0] - self.motion.angle[:, 0]
+        pushes = connectors.point_forces(*at, rate=rate, turn=turn)
+        loads = len(self._engine.mechanism.loads)
+        return pushes[:loads], [*pushes[loads:], *connectors.radial_forces(*at, rate)]
 
     def inertia_and_loads(
         self, moving: LinkMotion, loads: Sequence[PointForce]

@@ -144,7 +144,7 @@ class SampledTurn:
         connected = engine.connected_matrices(frames, displaced, prestress, stressed)
         carried = CarriedLinkage.of(engine.mechanism, frames, engine.links, bases)
         if carried is not None:
-            connected = carried.connected(connected, len(motion.crank_angle))
+            connected = carried.connected(connected, motion, prestress)
         return cls(
             motion=motion,
             models=models,
@@ -187,14 +187,17 @@ class SampledTurn:
         return np.concatenate(weighted, axis=1)
 
     def assembled(self, terms: RotationTerms) -> SystemMatrices:
-        """Matrices (N, n, n) of the undamped links, and of a frame on springs that carries them."""
+        """Matrices (N, n, n) of the undamped links, and of a frame on springs that carries them.
+
+        Without what is ``connected``.
+        """
         undamped = [np.zeros((1, 1)) for _ in self.models]
         matrices = self.frames.assemble(
             self.displaced, self.tangent, terms, undamped, turns=self.turns
         )
         if self.carried is None:
             return matrices
-        return self.carried.added(self.motion, matrices, terms)
+        return self.carried.added(self.motion, matrices, terms, followers=False)
 
     @property
     def has_relative_motion(self) -> bool:

@@ -137,8 +137,9 @@ def _simulated(
         )
     start = LinkState.rigid(engine.links)
     if locked.prestress == "none":
-        # Links without stress carry no weight.
-        engine = engine.with_(mechanism=replace(engine.mechanism, gravity=(0.0, 0.0)))
+        # Links without stress carry no weight and no loads.
+        unloaded = replace(engine.mechanism, gravity=(0.0, 0.0), loads=())
+        engine = engine.with_(mechanism=unloaded)
     else:
         motion = engine.mechanism.linkage.motion(np.array([locked.angle]))
         static = engine.stressed_links(motion, "equilibrium").displacement
@@ -156,7 +157,8 @@ def _simulated(
     )
     found = run(impacts=[Impact(impact, direction, plan.pulse)])[:, 0]
     at_rest = found[0]
-    if engine.mechanism.frame is not None and any(engine.mechanism.gravity):
+    stressed = any(engine.mechanism.gravity) or engine.connectors.any
+    if engine.mechanism.frame is not None and stressed:
         # The frame starts where linear equations let it sink, and rings a little without a hit.
         at_rest = run()[:, 0]
     return np.asarray(found - at_rest)

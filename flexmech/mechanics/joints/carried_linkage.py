@@ -24,8 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, row_products
+from flexmech.choices import Prestress
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.applied_forces import ForceOnLink, forces_of_loads
+from flexmech.linkages.applied_forces import AXES, Axes, ForceOnLink, forces_of_loads
 from flexmech.linkages.motion import cross, direction, normal, quarter_turn
 from flexmech.mechanics.joints.link_frames import LinkFrames
 from flexmech.mechanics.joints.link_ties import DependentRows
@@ -110,28 +111,34 @@ class CarriedLinkage:
         """In ground axes, m/s^2."""
         return self.mechanism.gravity
 
-    def connected(self, own: ConnectedMatrices | None, batch: int) -> ConnectedMatrices:
+    def connected(
+        self, own: ConnectedMatrices | None, motion: RigidMotion, prestress: Prestress
+    ) -> ConnectedMatrices:
         """Matrices of connectors of the linkage, with the dampers of the frame.
 
         Parameters
         ----------
         own : ConnectedMatrices or None
             In the coordinates of ``frames``, (B, size, size); None where there are none.
-        batch : int
-            Number B of positions.
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+            As of :meth:`added`.
 
         Returns
         -------
         ConnectedMatrices
-            (B, size + 3, size + 3).
+            (B, size + 3, size + 3), with the stiffness of follower forces on the frame.
         """
-        size = self.frames.size
+        size, batch = self.frames.size, len(motion.crank_angle)
         stiffness, damping, rate = np.zeros((3, batch, size + COORDINATES, size + COORDINATES))
         if own is not None:
             stiffness[:, :size, :size] = own.stiffness
             damping[:, :size, :size] = own.damping
             rate[:, :size, :size] = own.rate_stiffness
         damping[:, size:, size:] = self.frame.damping
+        follow = self._of_followers(motion, None, prestress)
+        stiffness[:, size:, :size], stiffness[:, size:, size:] = follow.on_frame, follow.frame
         conservative = not self.frame.damping.any() and (own is None or own.is_conservative)
         return ConnectedMatrices(stiffness, damping, rate, conservative)
 
@@ -182,6 +189,9 @@ class CarriedLinkage:
         terms: RotationTerms,
         expansion: FloatArray | None = None,
         time: FloatArray | None = None,
+        *,
+        prestress: Prestress = "equilibrium",
+        followers: bool = True,
     ) -> SystemMatrices:
         """Matrices of the linkage with the coordinates of the frame, which come last.
 
@@ -196,6 +206,10 @@ class CarriedLinkage:
             From these n coordinates to those of the link frames; they are the same by default.
         time : ndarray, shape (B,), optional
             In s; loads over time are left out without it.
+        prestress : {"none", "axial", "equilibrium"}
+            ``none`` leaves out that follower forces rotate with their sections.
+        followers : bool
+            Whether the stiffness of follower forces counts, which is not symmetric.
 
         Returns
         -------
@@ -203,7 +217,11 @@ class CarriedLinkage:
             (B, n + 3, n + 3) each.
         """
         blocks = self._blocks(motion, terms)
-        self._add_loads(motion, time, blocks[2])
+        self._add_dead_loads(motion, time, blocks[2])
+        if followers:
+            follow = self._of_followers(motion, time, prestress)
+            blocks[2].on_frame[:] += follow.on_frame
+            blocks[2].frame[:] += follow.frame
 
         def bordered(own: FloatArray, block: _Block) -> FloatArray:
             by_frame, on_frame = block.by_frame, block.on_frame
@@ -246,32 +264,56 @@ class CarriedLinkage:
         for number, inertia in enumerate(self.inertias):
             pull = self._acceleration(motion, number, gravity)
             total -= np.einsum("bkc,bk->bc", fields[number], (pull @ inertia.rigid)[:, :3])
-        for push, arm in self._pushes(motion, time):
+        for push, arm in self._pushes(motion, time, AXES):
             moment = cross(arm, push.force) + push.torque
             total += np.column_stack([push.force, moment])
         return total
 
     def _pushes(
-        self, motion: RigidMotion, time: FloatArray | None
+        self, motion: RigidMotion, time: FloatArray | None, axes: Sequence[Axes]
     ) -> Iterator[tuple[ForceOnLink, FloatArray]]:
-        """Each load, in ground axes, and its arm (B, 2) from the frame's centre."""
+        """Each load in one of these axes, in ground axes, and its arm (B, 2) from the centre."""
         topology = self.mechanism.linkage.topology
-        loads = [one for one in self.mechanism.loads if one.over != "time" or time is not None]
+        acting = (load for load in self.mechanism.loads if load.axes in axes)
+        loads = [load for load in acting if load.over != "time" or time is not None]
         for push in forces_of_loads(topology, motion, loads, 0.0 if time is None else time):
             yield push, motion.position(push.link, push.x) - np.asarray(self.frame.centre)
 
-    def _add_loads(self, motion: RigidMotion, time: FloatArray | None, stiffness: _Block) -> None:
-        """Add to the stiffness that loads keep their directions as the frame turns under them."""
-        topology = self.mechanism.linkage.topology
-        for push, arm in self._pushes(motion, time):
-            length = topology.links[push.link].length
-            fraction = float(push.x) / length
-            point = AttachedPoint.of(self.frames.links, push.link, fraction, length)
-            moved = PointJacobian.of(point, self.frames, motion).value
-            leaning = np.einsum("bk,bkn->bn", quarter_turn(push.force), moved[:, :2])
+    def _moved(self, motion: RigidMotion, push: ForceOnLink) -> FloatArray:
+        """Displacement and rotation of a load's point by the coordinates, (B, 3, size)."""
+        length = self.mechanism.linkage.topology.links[push.link].length
+        point = AttachedPoint.of(self.frames.links, push.link, float(push.x) / length, length)
+        return PointJacobian.of(point, self.frames, motion).value
+
+    def _add_dead_loads(
+        self, motion: RigidMotion, time: FloatArray | None, stiffness: _Block
+    ) -> None:
+        """Add to the stiffness that dead loads keep their directions as the frame rotates."""
+        for push, arm in self._pushes(motion, time, ("ground",)):
+            moved, force = self._moved(motion, push)[:, :2], quarter_turn(push.force)
+            leaning = np.einsum("bk,bkn->bn", force, moved)
             stiffness.by_frame[:, :, 2] += leaning
             stiffness.on_frame[:, 2] += leaning
             stiffness.frame[:, 2, 2] += row_products(arm, push.force)
+
+    def _of_followers(
+        self, motion: RigidMotion, time: FloatArray | None, prestress: Prestress
+    ) -> _Block:
+        """Stiffness by follower forces on the frame, which does nothing to them on the links.
+
+        They rotate with it and, unless the prestress is ``none``, with their sections.
+        """
+        no_frame = np.zeros((COORDINATES, COORDINATES))
+        stiffness = _Block.of(no_frame, len(motion.crank_angle), self.frames.size)
+        for push, arm in self._pushes(motion, time, ("link",)):
+            moved, force = self._moved(motion, push), quarter_turn(push.force)
+            stiffness.frame[:, :2, 2] -= force
+            stiffness.on_frame[:, 2] += np.einsum("bk,bkn->bn", force, moved[:, :2])
+            if prestress != "none":
+                stiffness.on_frame[:, :2] -= force[..., None] * moved[:, None, 2]
+                moment = row_products(arm, push.force)
+                stiffness.on_frame[:, 2] -= moment[:, None] * moved[:, 2]
+        return stiffness
 
     def inertial_shapes(
         self, motion: RigidMotion, links: Sequence[NDArray[Any]], moved: NDArray[Any]

@@ -14,7 +14,7 @@ the rotations of two links, a radial one between the displacements of their ends
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from flexmech.linkages import (
     Load,
     RigidMotion,
     continuous_angles,
+    turned,
 )
 from flexmech.linkages.applied_forces import (
     ForceOnLink,
@@ -403,6 +404,8 @@ class Connectors:
         displacement: Sequence[FloatArray] | None = None,
         time: FloatArray | None = None,
         rate: Sequence[FloatArray] | None = None,
+        *,
+        turn: FloatArray | None = None,
     ) -> list[PointForce]:
         """Forces on points of the links, one by one, but those in joints.
 
@@ -416,16 +419,25 @@ class Connectors:
             In s; loads over time are left out without it.
         rate : sequence of ndarray, shape (B, n_link), optional
             Time derivative of the displacement, which dampers resist; zero where it is left out.
+        turn : ndarray, shape (B,), optional
+            By which a frame on springs and the axes of ``motion`` have rotated, in rad: against
+            them dead loads rotate back, and follower forces do not.
 
         Returns
         -------
         list of PointForce
             First those of loads, then those of springs.
         """
-        return [
+        pushes = [
             PointForce(self.at(push.link, float(push.x)), push.force, push.torque)
             for push in self.applied(motion, displacement, time, rate)
         ]
+        if turn is not None:
+            for number, load in enumerate(self._acting(time)):
+                if load.axes == "ground":
+                    push = pushes[number]
+                    pushes[number] = replace(push, force=turned(push.force, -turn))
+        return pushes
 
     def radial_forces(
         self,

@@ -17,7 +17,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages import RigidMotion, continuous_angles, turned
+from flexmech.linkages import RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import forces_of_loads
 from flexmech.linkages.motion import cross
 from flexmech.mechanics import (
@@ -237,12 +237,10 @@ class DrivenConnectors:
     ) -> list[tuple[PointForce, bool]]:
         """Forces one by one, and whether each is the radial force of a sprung joint.
 
-        In axes that have turned with a frame, against which loads turn back.
+        In axes that have turned with a frame; see :meth:`Connectors.point_forces`.
         """
-        forces = [(push, False) for push in self._all.point_forces(motion, None, time)]
-        for number in range(len(self._mechanism.loads)):
-            push = forces[number][0]
-            forces[number] = replace(push, force=turned(push.force, -turn)), False
+        straight = self._all.point_forces(motion, None, time, turn=turn)
+        forces = [(push, False) for push in straight]
         for tangent in self._all.tangents(motion, None, time):
             ends = ((tangent.second, 1.0), (tangent.first, -1.0))
             deformation, opening = np.zeros((2, len(time), 3, 1))
