@@ -567,7 +567,7 @@ class Engine(EngineParameters):
         Parameters
         ----------
         frames : LinkFrames
-            Of the links, reduced or not.
+            Frames of the links, reduced or not.
         motion : RigidMotion
             Batch of shape (B,).
         prestress : {"none", "axial", "equilibrium"}
@@ -685,7 +685,7 @@ def has_constant_tangents(tangents: ConnectedMatrices, motion: RigidMotion) -> b
     tangents : ConnectedMatrices
         Over a batch of shape (B,).
     motion : RigidMotion
-        Of that batch.
+        Motion of that batch.
 
     Returns
     -------

@@ -51,7 +51,7 @@ class FreeShaft:
     Parameters
     ----------
     topology : Topology
-        Of the linkage, with the one clamp that it drives.
+        Topology of the linkage, with the one clamp that it drives.
     inertia : float
         About the axis, in kg m^2.
     """
@@ -466,7 +466,7 @@ class TheoryComparison:
     Parameters
     ----------
     frequency : callable
-        Of a theory's name, or :data:`RESTRAINED_ENDS`: its frequencies in Hz at
+        Frequency of a theory's name, or :data:`RESTRAINED_ENDS`: its frequencies in Hz at
         some crank angles, (A, modes).
     eccentric : bool
         Whether a neutral axis is off the pins' axis, which asks for a beam that shears.

@@ -82,7 +82,7 @@ def checked_parts(topology: Topology, name: str, parts: Iterable[Part]) -> tuple
     ----------
     topology : Topology
     name : str
-        Of the mechanism's field: one of :data:`PARTS`.
+        Name of the mechanism's field: one of :data:`PARTS`.
     parts : iterable
 
     Returns
@@ -195,10 +195,10 @@ def places_apart(
     Parameters
     ----------
     points : iterable of AttachmentPoint
-        Of any links.
+        Points of any links.
     link : str
     length : float
-        Of the link in m.
+        Length of the link in m.
     taken : sequence of float
         Where there are nodes already, m from the start.
 

@@ -82,7 +82,7 @@ class Mechanism:
     reference_temperature : float
         Temperature in K at which lengths, sections and masses are as stated.
     ground_thermal_expansion : float
-        Of the frame between the ground pivots in 1/K.
+        Ground thermal expansion of the frame between the ground pivots in 1/K.
     wetting : mapping of str to Wetting
         Where water enters links, by name; through both faces of those left out. Links that
         are wet through both faces are not kept.
@@ -97,7 +97,7 @@ class Mechanism:
     joint_pins : tuple of JointPin
         Sizes of pins, pivots and the pins of sliders, for their strength.
     shaft_inertia : float
-        Of the shaft that drives the crank, about its axis, in kg m^2.
+        Shaft inertia of the shaft that drives the crank, about its axis, in kg m^2.
     drive : Drive or MotorDrive, optional
         How the crank turns, or by which motor; runs take it where no speed is asked for.
     frame : SprungFrame, optional
@@ -242,9 +242,9 @@ class Mechanism:
         Parameters
         ----------
         motion : RigidMotion
-            Of the linkage.
+            Motion of the linkage.
         time : array_like, shape (...)
-            Of each position in s, for loads over time.
+            Time of each position in s, for loads over time.
         lumped : sequence of int, optional
             Number of elements of each link whose distributed mass is lumped at their ends.
 

@@ -178,8 +178,8 @@ class PinEye:
     thickness : float, optional
         Length of the hole along the pin in m; as of the link's section if left out.
     width : float, optional
-        Of the eye across the link, in the plane of motion, in m; as of the link's section if left
-        out.
+        Width of the eye across the link, in the plane of motion, in m; as of the link's section if
+        left out.
     edge_distance : float, optional
         From the centre of the hole to the end of the link in m.
 
@@ -211,16 +211,18 @@ class JointPin:
     ----------
     joint : str
     diameter : float
-        Of the pin in m, of a pin or pivot, or in a slider's block; strength judges the pins that
-        have one.
+        Diameter of the pin in m, of a pin or pivot, or in a slider's block; strength judges the
+        pins that have one.
     eyes : tuple of PinEye
-        Of links that meet there; one without any sizes may be left out.
+        Eyes of links that meet there; one without any sizes may be left out.
     bush_length : float, optional
-        Of the bush in which the pin turns in m; the shortest hole around it if left out.
+        Bush length of the bush in which the pin turns in m; the shortest hole around it if left
+        out.
     allowable_bearing_pressure : float, optional
-        Of pin and holes in Pa: force over diameter and length of the hole.
+        Allowable bearing pressure of pin and holes in Pa: force over diameter and length of the
+        hole.
     allowable_pv : float, optional
-        Of the bush: greatest bearing pressure times sliding velocity. In Pa m/s.
+        Allowable pv of the bush: greatest bearing pressure times sliding velocity. In Pa m/s.
 
     Raises
     ------
@@ -294,7 +296,7 @@ class FrameSpring:
     Parameters
     ----------
     point : tuple of float
-        Of the frame in m, in the axes of the ground as the frame is drawn.
+        Point of the frame in m, in the axes of the ground as the frame is drawn.
     stiffness : tuple of float
         Along x and y in N/m; it is without force where the frame is drawn.
     damping : tuple of float
@@ -443,7 +445,7 @@ class SprungFrame:
 
     @property
     def natural_frequencies(self) -> FloatArray:
-        """Of the frame alone on its springs in Hz, ascending, (3,)."""
+        """Natural frequencies of the frame alone on its springs in Hz, ascending, (3,)."""
         half = 1 / np.sqrt(np.diag(self.inertia_matrix))
         squares = np.linalg.eigvalsh(half[:, None] * self.stiffness * half)
         return np.asarray(np.sqrt(squares) / (2 * np.pi), dtype=float)

@@ -273,7 +273,7 @@ def load_rows(table: LoadTable, folder: Path) -> tuple[tuple[float, ...], Rows]:
     ----------
     table : LoadTable
     folder : Path
-        Of the model file.
+        Folder of the model file.
 
     Returns
     -------

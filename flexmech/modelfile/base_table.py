@@ -195,7 +195,7 @@ def _made(value: Any) -> Any:
     return tuple(map(_made, value)) if isinstance(value, list | tuple) else value
 
 
-# Of a docstring: its section of parameters; in that, their names and what they are.
+# Parameters of a docstring: its section of parameters; in that, their names and what they are.
 _PARAMETERS = re.compile(r"^Parameters\n-+\n(.*?)(?=^\w+\n-+$|\Z)", re.M | re.S)
 _PARAMETER = re.compile(r"^(\S[^:\n]*?) : .*\n((?: +.*\n?|\n)*)", re.M)
 

@@ -59,7 +59,7 @@ def build_mechanism(
     shown : str
         What messages call the file.
     provenance : Provenance
-        Of the mechanism.
+        Provenance of the mechanism.
     folder : Path
         Where files that the model names are looked for.
 

@@ -10,8 +10,8 @@ from flexmech.errors import InputError
 from flexmech.files import bytes_of
 from flexmech.units import NUMBER
 
-# Of a file of a load or a drive: a hundred thousand rows, a thousand times as fine as a turn asks
-# for.
+# Most bytes of a file of a load or a drive: a hundred thousand rows, a thousand times as fine as a
+# turn asks for.
 MOST_BYTES = 10_000_000
 # Characters of a cell in a message: more than any number has.
 MOST_SHOWN = 60
@@ -60,7 +60,7 @@ def check_rows(rows: list[list[str]], titles: list[str], shown: str) -> None:
     ----------
     rows : list of list of str
     titles : list of str
-        Of the first line.
+        Titles of the first line.
     shown : str
         What messages call the file.
 

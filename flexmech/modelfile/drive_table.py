@@ -253,7 +253,7 @@ class DriveTable(base.Table):
         Parameters
         ----------
         folder : Path
-            Of the model file.
+            Folder of the model file.
 
         Returns
         -------

@@ -46,7 +46,7 @@ class LinkPlaces:
         return beam if beam in tables else self.parent(beam)
 
     def length(self, link: str) -> float:
-        """Of all beams of a link in m."""
+        """Length of all beams of a link in m."""
         return sum(beam.length for beam in self.beams[link])
 
     def place(self, link: str, position: float, beam: int | None = None) -> AttachmentPoint:
@@ -55,7 +55,7 @@ class LinkPlaces:
         Parameters
         ----------
         link : str
-            Of the file, or a beam.
+            Link of the file, or a beam.
         position : float
             In m from its first joint, or from the start of a beam.
         beam : int, optional

@@ -86,9 +86,9 @@ def new_file(
     kind : str
         One of :data:`KINDS`.
     name : str
-        Of the mechanism, which stands in titles.
+        Name of the mechanism, which stands in titles.
     sizes : mapping of str to str or None
-        Of :data:`SIZES`, such as ``{"rod": "160 mm"}``; None where one is left out.
+        Sizes of :data:`SIZES`, such as ``{"rod": "160 mm"}``; None where one is left out.
     ask : callable, optional
         Takes what a size is and the template's own, and gives the size that is left out; without
         it the template's stay.

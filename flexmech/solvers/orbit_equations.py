@@ -73,7 +73,7 @@ class DisplacedFrames(LinkFrames):
     ----------
     frames : LinkFrames
     rows : list of DependentRows
-        Of each link, at the positions for which the frames are used.
+        Rows of each link, at the positions for which the frames are used.
     """
 
     def __init__(self, frames: LinkFrames, rows: list[DependentRows]) -> None:
@@ -98,7 +98,7 @@ class RunningForces:
     Attributes
     ----------
     frames : LinkFrames
-        Of the unreduced links.
+        Frames of the unreduced links.
     whole : RigidMotion
         The motion in ground axes, with that of a frame on springs; see :meth:`on_frame`.
     """
@@ -314,7 +314,7 @@ class OrbitState:
         Whose rows are derivatives of the links' coordinates by z at these displacements.
     stressed : StressedLinks
     connected : ConnectedMatrices or None
-        Of loads and springs there, by z; None without them.
+        Connected of loads and springs there, by z; None without them.
     residual : ndarray, shape (N, n)
         Forces out of balance.
     error : float
@@ -367,7 +367,7 @@ class OrbitEquations:
     Attributes
     ----------
     frames : LinkFrames
-        Of the unreduced links.
+        Frames of the unreduced links.
     carried : CarriedLinkage or None
         With the frame on springs that carries the links.
     size : int
@@ -570,7 +570,7 @@ class OrbitEquations:
         Parameters
         ----------
         forces : sequence of ndarray, shape (N, n_link)
-            Of inertia and loads on each link.
+            Forces of inertia and loads on each link.
         moving : LinkMotion
         motion : RigidMotion
             In ground axes.

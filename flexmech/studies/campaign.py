@@ -49,7 +49,7 @@ class DesignStore:
     Parameters
     ----------
     folder : Path
-        Of the store.
+        Folder of the store.
     lock : FolderLock
     """
 

@@ -49,7 +49,7 @@ class Design:
     Parameters
     ----------
     engine : Engine
-        Of the design.
+        Engine of the design.
     model : Mechanism
         That of the model file.
     varied_speed : float, optional
@@ -66,7 +66,7 @@ class Design:
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """Of the design."""
+        """Mechanism of the design."""
         return self.engine.mechanism
 
     @property
@@ -129,7 +129,7 @@ class Design:
         Parameters
         ----------
         name : str
-            Of the variable of the response's peaks.
+            Name of the variable of the response's peaks.
         speed : float
             In rad/s.
         link : str or None
@@ -157,7 +157,7 @@ class Design:
         Parameters
         ----------
         mode : int
-            Of the linkage where its crank has stopped, counted from 1.
+            Mode of the linkage where its crank has stopped, counted from 1.
         link : str or None
 
         Returns

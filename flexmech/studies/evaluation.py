@@ -30,7 +30,7 @@ _KINDS: tuple[tuple[type[FlexmechError], Status], ...] = (
     (FlexmechError, "refused"),
 )
 MOST_LETTERS = 240
-"""Of a reason."""
+"""Most letters of a reason."""
 Found = TypeVar("Found")
 _log = logging.getLogger(__name__)
 
@@ -137,7 +137,7 @@ def design_of(study: Study, engine: Engine, row: FloatArray) -> Design:
     ----------
     study : Study
     engine : Engine
-        Of the study's mechanism.
+        Engine of the study's mechanism.
     row : ndarray, shape (k,)
         Values of the variables.
 
@@ -176,7 +176,7 @@ def guarded(compute: Callable[[], Found]) -> tuple[Found | None, int, str]:
     Parameters
     ----------
     compute : callable
-        Of one design.
+        Computation of one design.
 
     Returns
     -------

@@ -77,7 +77,7 @@ def confirmed(
     ----------
     study : Study
     scatter : Scatter
-        Of what is uncertain around it.
+        Scatter of what is uncertain around it.
     design : ndarray, shape (k,)
     values : ndarray, shape (m,)
         Its outputs.
@@ -202,7 +202,7 @@ def candidate_kept(
     study : Study
     design : ndarray, shape (k,)
     found : Evaluated
-        Of that design alone.
+        Evaluation of that design alone.
     reason : str
         Why it is none.
     folder : Path or None
@@ -247,7 +247,7 @@ class Optimum(Result):
         percentiles, as the attribute ``statistic`` of each says, ``relative_error`` is that by the
         number of ``samples`` too.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "optimum"

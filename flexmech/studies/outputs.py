@@ -260,14 +260,14 @@ class Output:
         Crank speed in rad/s; the design's own where the speed varies, else the greatest at which
         the mechanism operates, zero if it names none.
     mode : int
-        Of frequencies, damping and residual vibration; the lowest is 1.
+        Mode of frequencies, damping and residual vibration; the lowest is 1.
     orders : tuple of int
         Multiples of the crank speed that ``order_margin`` keeps away from.
     link, joint : str, optional
         Where deflection, strain, stress, residual vibration and joint force are taken; the
         greatest of all if left out.
     prestress : {"none", "axial", "equilibrium"}
-        Of frequencies.
+        Prestress of frequencies.
     angles : int
         Crank angles over a turn, between which extremes are sought as well.
     points : tuple of (float, float)
@@ -312,7 +312,7 @@ class Output:
 
     @property
     def dimension(self) -> Dimension:
-        """Of its numbers."""
+        """Dimension of its numbers."""
         return self.kind.dimension
 
     @property
@@ -461,4 +461,4 @@ KINDS: Mapping[str, Kind] = {
     "largest_multiplier": Kind(RATIO, "greatest Floquet multiplier", _multiplier),
     "stable_speed_margin": Kind(RATIO, "distance to the next unstable band", _stable_margin),
 }
-"""Of every quantity."""
+"""Kinds of every quantity."""

@@ -122,7 +122,7 @@ def near_a_limit(dataset: xr.Dataset) -> list[int]:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of :func:`designs_dataset`, with ``relative_error`` over ``output``.
+        Dataset of :func:`designs_dataset`, with ``relative_error`` over ``output``.
 
     Returns
     -------
@@ -152,7 +152,7 @@ def designs_table(dataset: xr.Dataset, extra: Mapping[str, str] | None = None) -
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of :func:`designs_dataset`.
+        Dataset of :func:`designs_dataset`.
     extra : mapping of str to str, optional
         Further columns and the variables that they hold.
 

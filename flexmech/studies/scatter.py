@@ -14,8 +14,8 @@ from flexmech.errors import InputError, one_line
 from flexmech.studies.evaluation import MOST_LETTERS, STATUSES, Evaluated
 from flexmech.studies.study import Study, sobol_points
 
-# Of the k-th of n ordered values the probability (k - 1/2) / n is not exceeded, as of points that
-# are spread evenly; other rules take the percentiles of few values too near to the median.
+# Rule of the k-th of n ordered values the probability (k - 1/2) / n is not exceeded, as of points
+# that are spread evenly; other rules take the percentiles of few values too near to the median.
 _RULE: Literal["hazen"] = "hazen"
 
 
@@ -30,7 +30,7 @@ class Scatter:
     ----------
     study : Study
     probability : ndarray, shape (s, r)
-        Of the values of the r uncertain variables.
+        Probability of the values of the r uncertain variables.
 
     Raises
     ------
@@ -162,7 +162,7 @@ class Scatter:
         return rows
 
     def _statistics(self, values: FloatArray) -> FloatArray:
-        """Of values (n, s, m) the percentile or mean of every output, (n, m)."""
+        """Statistics of values (n, s, m) the percentile or mean of every output, (n, m)."""
         columns = []
         for number, name in enumerate(self.study.outputs):
             own, part = values[:, :, number], self.study.percentiles.get(name)

@@ -38,7 +38,7 @@ _STARTS, _SAMPLE = 4, 16
 # percentiles of a sample are not known to more.
 _UNCERTAIN_STARTS, _UNCERTAIN_STEP, _STEP = 2, 1e-4, 1e-7
 _POPULATION, _GENERATIONS = 64, 40
-# Of a local search, for each variable: what SciPy takes where nothing is said.
+# Most steps of a local search, for each variable: what SciPy takes where nothing is said.
 _MOST_STEPS = 500
 # What a violated limit and a design that fails cost, in ranges of the goal.
 _PENALTY = 10.0
@@ -54,7 +54,7 @@ class Search:
     computed : KeptDesigns
         Gives the outputs of designs.
     scatter : Scatter
-        Of what is uncertain, around every design.
+        Scatter of what is uncertain, around every design.
     count : int
         Designs computed.
     steps : list of (int, ndarray)
@@ -62,7 +62,7 @@ class Search:
     best : ndarray or None
         Least of every goal, with the sign that makes less the better.
     design : ndarray or None
-        Of the first goal's best design within every limit.
+        Design of the first goal's best design within every limit.
     nearest : ndarray or None
         Design that violates the limits least.
     violation : float
@@ -365,8 +365,8 @@ class OutputModel:
     ----------
     interpolator : RBFInterpolator
     logarithmic : ndarray of bool, shape (m,)
-        Of outputs that are positive, whose logarithms are interpolated: peaks of resonances are
-        less steep in them.
+        Outputs that are positive, whose logarithms are interpolated: peaks of
+        resonances are less steep in them.
     varying : ndarray of bool, shape (c,)
         Coordinates that differ among the designs that are known.
     known : ndarray, shape (n, c)

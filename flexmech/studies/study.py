@@ -32,7 +32,7 @@ _RESERVED = {
 # Names are columns of tables, variables of stored results and words of lists.
 _NAME = r"[\w.-]+"
 MOST_DESIGNS = 10_000_000
-"""Of a study: more are a slip of the keyboard."""
+"""Most designs of a study: more are a slip of the keyboard."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class Limit:
     least, greatest : float
         In SI units; infinite where there is none.
     percentile : float, optional
-        Of the output over the uncertain variables that keeps it, in the search for the best
-        design; the mean if left out.
+        Percentile of the output over the uncertain variables that keeps it, in the search for the
+        best design; the mean if left out.
     """
 
     output: str
@@ -74,7 +74,8 @@ class Goal:
     output : str
     sense : {"min", "max"}
     percentile : float, optional
-        Of the output over the uncertain variables that is to be so; the mean if left out.
+        Percentile of the output over the uncertain variables that is to be so; the mean if left
+        out.
     """
 
     output: str
@@ -113,7 +114,7 @@ class Study:
     variables : tuple of Variable
     outputs : mapping of str to Output
     seed : int
-        Of samples.
+        Seed of samples.
     limits : tuple of Limit
     goals : tuple of Goal
     correlations : tuple of Correlation
@@ -191,7 +192,7 @@ class Study:
 
     @property
     def names(self) -> list[str]:
-        """Of the variables."""
+        """Names of the variables."""
         return [variable.name for variable in self.variables]
 
     @property

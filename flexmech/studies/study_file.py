@@ -171,7 +171,7 @@ def study_of(tables: StudyFile, mechanism: Mechanism, shown: str) -> Study:
     ----------
     tables : StudyFile
     mechanism : Mechanism
-        Of its model file.
+        Mechanism of its model file.
     shown : str
         What messages call the file.
 

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 
 ROWS = 8
-"""Of the table of the best designs."""
+"""Rows of the table of the best designs."""
 
 
 class DesignSweep(Result):
@@ -52,7 +52,7 @@ class DesignSweep(Result):
         ``reason`` of designs that cannot be computed, ``within`` where every limit is kept, and
         ``relative_error`` over ``output``, the greatest of the best designs, those of the table.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "designs"
@@ -184,7 +184,7 @@ def sweep_study(
     samples : int, optional
         Designs spread over the ranges by Sobol's sequence. Left out: every combination.
     executor : concurrent.futures.Executor, optional
-        Of processes, of Dask, Parsl or MPI; this process if left out.
+        Executor of processes, of Dask, Parsl or MPI; this process if left out.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
     folder : Path, optional
@@ -232,7 +232,7 @@ def table_errors(
     study : Study
     designs : ndarray, shape (n, k)
     dataset : xarray.Dataset
-        Of these designs.
+        Dataset of these designs.
     executor : concurrent.futures.Executor, optional
     progress : callable, optional
         Called as ``progress(label, done, total)``.
@@ -275,7 +275,7 @@ def sweep(
     limits : tuple of Limit
     goals : tuple of Goal
     executor : concurrent.futures.Executor, optional
-        Of processes, of Dask, Parsl or MPI; this process if left out.
+        Executor of processes, of Dask, Parsl or MPI; this process if left out.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
 

@@ -22,7 +22,7 @@ _MOST = 256
 _GROWTH = 4
 # Tasks of a worker, one that it computes and one that waits for it.
 _AHEAD = 2
-# Of executors that do not say how many workers they have, such as those of clusters.
+# Workers of executors that do not say how many workers they have, such as those of clusters.
 _WORKERS = 16
 RESUMED = "what is done is kept with --out: go on with --resume and fewer workers"
 

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 MOST_DESIGNS = 64
 """Whose frequencies are drawn, the first of a sample: they alone are spread evenly too."""
 DRAWN_PERCENTILES = (2.5, 50.0, 97.5)
-# Of so few the interval of 95 % is that of the outermost designs.
+# Least designs of so few the interval of 95 % is that of the outermost designs.
 _LEAST_DESIGNS = 8
 
 
@@ -69,7 +69,7 @@ def frequency_bands(study: Study, designs: FloatArray) -> xr.Dataset:
     ----------
     study : Study
     designs : ndarray, shape (n, k)
-        Of a sample; the first :data:`MOST_DESIGNS` of them are taken.
+        Designs of a sample; the first :data:`MOST_DESIGNS` of them are taken.
 
     Returns
     -------
@@ -144,12 +144,12 @@ def _of_one(study: Study, engine: Engine, output: Output, row: FloatArray) -> Fl
 
 
 CONFIDENCE = 0.95
-"""Of the intervals."""
+"""Confidence of the intervals."""
 INDICES = ("first_order", "total")
-"""Of every input: alone, and with what it does together with others."""
+"""Indices of every input: alone, and with what it does together with others."""
 
 _RESAMPLES = 1000
-# Of the outputs' size: what never changes has no variance to share.
+# Changes of the outputs' size: what never changes has no variance to share.
 _CHANGES = 1e-12
 # Shares of the variance that are not known to this part of it say little about which input matters.
 _POOR = 0.2
@@ -167,7 +167,7 @@ def sobol_shares(
     outputs, inputs : list of str
         m and d names.
     seed : int
-        Of the resamples.
+        Seed of the resamples.
 
     Returns
     -------
@@ -235,9 +235,9 @@ def share_text(share: xr.Dataset, name: str) -> str:
     Parameters
     ----------
     share : xarray.Dataset
-        Of one output.
+        Share of one output.
     name : str
-        Of the input.
+        Name of the input.
 
     Returns
     -------
@@ -257,7 +257,7 @@ def poor_shares(data: xr.Dataset, samples: int) -> tuple[str, ...]:
     Parameters
     ----------
     data : xarray.Dataset
-        Of :func:`sobol_shares`, or without shares.
+        Data of :func:`sobol_shares`, or without shares.
     samples : int
         N of the study.
 
@@ -297,7 +297,7 @@ class Uncertainty(Result):
         intervals over (output, input), where inputs are not correlated; ``frequency_percentile``
         over (percentile, mode, crank_angle), where an output is found from natural frequencies.
     stored_as : mapping of str to str, optional
-        Of the file that it was loaded from.
+        Conventions, title, date and command line of the file that it was loaded from.
     """
 
     stem = "uncertainty"

@@ -20,7 +20,7 @@ Distribution = Literal["range", "values", "uniform", "normal", "lognormal"]
 CRANK_SPEED = "crank-speed"
 """Variable that is a crank speed, of which a model file has none or several."""
 
-# Of a distribution without ends: one of a million designs is beyond.
+# Extreme of a distribution without ends: one of a million designs is beyond.
 _EXTREME = 1e-6
 
 
@@ -32,7 +32,7 @@ class Variable:
     ----------
     name : str
     keys : tuple of str
-        Of the model file or of :mod:`flexmech.analyses.parameters`: all of them get the value.
+        Keys of the model file or of :mod:`flexmech.analyses.parameters`: all of them get the value.
     dimension : Dimension or None
         None of a text.
     distribution : {"range", "values", "uniform", "normal", "lognormal"}
@@ -40,7 +40,7 @@ class Variable:
         Ends of a range or of a uniform distribution, the listed values, or mean and standard
         deviation of the quantity itself, in SI units.
     steps : int
-        Of a range, how many values every combination takes.
+        Steps of a range, how many values every combination takes.
     shown_unit : str
         In which results speak of it; the SI unit if empty.
 
@@ -175,7 +175,7 @@ class Variable:
         Parameters
         ----------
         parameters : Parameters
-            Of the mechanism.
+            Parameters of the mechanism.
 
         Raises
         ------
@@ -220,11 +220,11 @@ def known_variable(
     Parameters
     ----------
     parameters : Parameters
-        Of the mechanism.
+        Parameters of the mechanism.
     name : str
     keys : sequence of str
     speed : Dimension
-        Of the crank speed.
+        Speed of the crank speed.
 
     Returns
     -------

@@ -38,7 +38,7 @@ from flexmech.mechanics.loads.connectors import ConnectedMatrices
 from flexmech.mechanism import Mechanism, SprungFrame
 
 COORDINATES = 3
-"""Of a frame: displacement of its centre of mass along x and y, rotation."""
+"""Coordinates of a frame: displacement of its centre of mass along x and y, rotation."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class CarriedLinkage:
         Of each link by its coordinates, and by those of its joined ends alone, which carry nothing
         with them: see :class:`flexmech.mechanics.links.link_model.EndMatrices`.
     rigid : tuple of ndarray, shape (n_full, 3)
-        Of each unreduced link for unit displacements along and across it and unit rotation.
+        Rigid of each unreduced link for unit displacements along and across it and unit rotation.
     """
 
     mechanism: Mechanism
@@ -200,7 +200,7 @@ class CarriedLinkage:
         motion : RigidMotion
             Batch of shape (B,).
         matrices : SystemMatrices
-            Of the linkage on a frame that stands, (B, n, n) each.
+            Matrices of the linkage on a frame that stands, (B, n, n) each.
         terms : RotationTerms
         expansion : ndarray, shape (B, size, n), optional
             From these n coordinates to those of the link frames; they are the same by default.
@@ -461,7 +461,7 @@ class _Block:
 
     @classmethod
     def of(cls, frame: FloatArray, batch: int, size: int) -> Self:
-        """Of a frame alone."""
+        """Of of a frame alone."""
         return cls(
             np.zeros((batch, size, COORDINATES)),
             np.zeros((batch, COORDINATES, size)),

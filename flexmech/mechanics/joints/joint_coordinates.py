@@ -90,7 +90,7 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
     Returns
     -------
     bodies : BodyMotion
-        Of shape (B, n_links + 1), the ground last.
+        Bodies of shape (B, n_links + 1), the ground last.
     slid : ndarray of complex, shape (3, B, n_sliders)
         Places in m, and their first and second time derivative: an acceleration of the rigid
         motion along the line. On the ground the displacement alone.
@@ -231,7 +231,7 @@ class JointCoordinates:
         Returns
         -------
         bodies : BodyMotion
-            Of shape (B, n); their reference points are at zero.
+            Bodies of shape (B, n); their reference points are at zero.
         slid : ndarray of complex, shape (3, B, n_sliders)
             See :func:`link_bodies`.
         """
@@ -460,7 +460,8 @@ class RigidGeometricStiffness:
     Parameters
     ----------
     rotation_stiffness : ndarray, shape (B, n_links)
-        Of each rigid link by its rotation in N m/rad; of a flexible one that of its hub.
+        Rotation stiffness of each rigid link by its rotation in N m/rad; of a flexible one that of
+        its hub.
     guide_stiffness : ndarray, shape (B, n_sliders)
         Between the rotation of a slider's guide and its slide in N/rad; zero on the ground.
     """

@@ -57,7 +57,7 @@ class LinkPlace:
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
         turn : ndarray, shape (B, r, c)
-            Of the dependent rows.
+            Turn of the dependent rows.
         """
         for row, to_row in self.runs:
             for column, to_column in self.runs:
@@ -78,7 +78,7 @@ class LinkPlace:
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
         turn : ndarray, shape (B, r, c)
-            Of the dependent rows.
+            Turn of the dependent rows.
         right : ndarray, shape (B, r, c)
             Those rows of ``P``.
         """
@@ -167,7 +167,7 @@ class LinkFrames(LinkTies):
         guide_stiffness : ndarray, shape (B, n_sliders), optional
             Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
         turns : sequence of sequence of ndarray, shape (B,), optional
-            Of the bodies on each link; see :func:`flexmech.mechanics.body_turns`.
+            Turns of the bodies on each link; see :func:`flexmech.mechanics.body_turns`.
         end_damping : sequence of ndarray, shape (n, n) or (B, n, n), optional
             Damping forces from the rate of the joined ends alone, where they are not the columns
             of ``damping``; see :class:`flexmech.mechanics.links.link_model.EndMatrices`.

@@ -144,13 +144,14 @@ class LinkTies:
         How many of them, the first ones, others may depend on: those of rigid links and of sliders,
         displacements of link ends, rotations of welded ends and of a free shaft.
     rigid : JointCoordinates
-        Of rigid links, sliders and leading ends.
+        Rigid of rigid links, sliders and leading ends.
     joint_rows : list of JointRows
         All rows that move with joint coordinates.
     ties : list of list of Tie
-        Of each link: those of them that are dependent.
+        Ties of each link: those of them that are dependent.
     dependencies : list of tuple of ndarray of int, shape (r,), (c,)
-        Of each link: its dependent coordinates and the coordinates of z that determine them.
+        Dependencies of each link: its dependent coordinates and the coordinates of z that determine
+        them.
     """
 
     def __init__(
@@ -492,7 +493,7 @@ class DisplacedTies:
     Attributes
     ----------
     displaced : DisplacedMotion
-        Of the link frames.
+        Displaced of the link frames.
     """
 
     def __init__(self, ties: LinkTies, motion: RigidMotion, y: FloatArray) -> None:
@@ -584,8 +585,8 @@ class DisplacedTies:
         forces : sequence of ndarray, shape (B, n_link)
             Applied less internal forces on each link in its frame.
         rotation_stiffness : mapping of int to ndarray, shape (B,)
-            Of each rigid link by its number: stiffness by its rotation of all forces but those of
-            its joints, in N m/rad.
+            Rotation stiffness of each rigid link by its number: stiffness by its rotation of all
+            forces but those of its joints, in N m/rad.
 
         Returns
         -------

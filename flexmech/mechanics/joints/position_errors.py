@@ -30,7 +30,7 @@ class RefusedPositionsError(ComputationError):
     message : str
         Names the first of them.
     crank_speed : float, optional
-        Of the first, in rad/s.
+        Crank speed of the first, in rad/s.
     crank_angles, crank_speeds : ndarray, shape (n,), optional
         Of all, in rad and rad/s.
     """

@@ -65,9 +65,9 @@ class AttachedPoint:
             Reduced or not.
         link : int
         fraction : float
-            Of the link's length from its start.
+            Fraction of the link's length from its start.
         length : float
-            Of the link in m.
+            Length of the link in m.
         """
         rows, end_rows = (
             np.concatenate(
@@ -238,7 +238,7 @@ class PointJacobian:
         Parameters
         ----------
         point : AttachedPoint
-            Of the links of ``frames``.
+            Point of the links of ``frames``.
         frames : LinkFrames
         motion : RigidMotion
             Batch of shape (B,).
@@ -260,7 +260,7 @@ class LinkPoint:
     ----------
     link : str
     fraction : float
-        Of the link's length from its first joint, from 0 to 1.
+        Fraction of the link's length from its first joint, from 0 to 1.
 
     Raises
     ------
@@ -346,7 +346,7 @@ def displacement_row(link: LinkModel, fraction: float, direction: LinkDirection)
     link : LinkModel
         Reduced or not.
     fraction : float
-        Of the link's length, from 0 to 1.
+        Fraction of the link's length, from 0 to 1.
     direction : {"transverse", "axial"}
         Across the link's frame or along it.
 

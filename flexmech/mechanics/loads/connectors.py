@@ -152,7 +152,7 @@ def connected_matrices(
     jacobian : callable
         Derivative of the displacement of a point by the coordinates, with its rate.
     shape : tuple of int
-        Of the matrices, (B, n, n).
+        Shape of the matrices, (B, n, n).
     is_conservative : bool
 
     Returns
@@ -342,7 +342,7 @@ class Connectors:
         frames : LinkFrames
         motion : RigidMotion
         matrices : SystemMatrices
-            Of the links.
+            Matrices of the links.
         terms : RotationTerms
         prestress, displacement, time
             As of :meth:`matrices`.
@@ -372,13 +372,13 @@ class Connectors:
         Parameters
         ----------
         frames : LinkFrames
-            Of these links, reduced or not.
+            Frames of these links, reduced or not.
         motion : RigidMotion
             Batch of shape (B,); its rigid links may be displaced.
         prestress : {"none", "axial", "equilibrium"}
             ``none`` leaves out the geometric stiffness by forces in connectors.
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the unreduced links in the state about which to linearize.
+            Displacement of the unreduced links in the state about which to linearize.
         time : ndarray, shape (B,), optional
             In s; loads over time are left out without it.
 
@@ -414,7 +414,7 @@ class Connectors:
         motion : RigidMotion
             Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the links; they are straight where it is left out.
+            Displacement of the links; they are straight where it is left out.
         time : ndarray, shape (B,), optional
             In s; loads over time are left out without it.
         rate : sequence of ndarray, shape (B, n_link), optional

@@ -141,9 +141,9 @@ class SectionCouples:
         ----------
         drive : Drive
         shaft : Shaft
-            Of that drive.
+            Shaft of that drive.
         duration : float
-            Of the run in s.
+            Duration of the run in s.
         """
         linkage = self._assembly.mechanism.linkage
         passed = np.asarray(drive.crank_angle(np.linspace(0.0, duration, TIMES)))
@@ -270,7 +270,7 @@ class MotorOnHub:
     Parameters
     ----------
     run : MotorRun
-        Of the rigid linkage, whose motor and start it is.
+        Run of the rigid linkage, whose motor and start it is.
     """
 
     run: MotorRun
@@ -438,7 +438,7 @@ def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
     assembly : LinkAssembly
         Not assembled yet.
     energies : LinkEnergies
-        Of its links, for their weight.
+        Energies of its links, for their weight.
     """
     x, y = assembly.mechanism.gravity
     for body in assembly.items.bodies if x or y else ():
