@@ -114,7 +114,7 @@ class QuantityField:
 
     def check(self, value: object, name: str) -> None:
         """Refuse what is no number in SI units, or out of bounds; ``name`` is for the message."""
-        if not (self.infinite and value == math.inf):
+        if not (self.infinite and isinstance(value, float) and value == math.inf):
             check_number(value, name, self.dimension.unit, self.bounds)
 
     def text(self, value: float) -> str | float:

@@ -33,8 +33,9 @@ def in_ground_axes(system):
     motion, size = system.motion, system.size
     quarter, link_of = np.zeros((size, size)), np.full(size, -1)
     for number, link in enumerate(system.frames.links):
-        target = system.frames.targets[number].copy()
-        target[system.frames.dependent_coordinates(number)] = -1
+        free = system.frames.independent_coordinates(number)
+        target = np.full(len(system.frames.targets[number]), -1)
+        target[free] = system.frames.targets[number][free]
         vectors = target[link.vectors]
         x, y = vectors[:, (vectors >= 0).all(axis=0)]
         quarter[x, y], quarter[y, x] = -1.0, 1.0

@@ -37,8 +37,8 @@ class Shaft:
     final_speed : float
         In rad/s.
     pieces : tuple
-        Pieces of (start, duration, c, ((a, w, phase), ...)) in s and rad; none of a constant
-        speed.
+        Pieces (start, duration, c, ((a, w, phase), ...)) in s and rad; a constant
+        speed has none.
     is_free : bool
         Whether the angle is that of the mean motion alone.
     """
