@@ -256,6 +256,12 @@ class StressHistory:
                 # Internal forces balance the loads on arms that are displaced and turned, and the
                 # equations have those on straight links: what balances these is without residual.
                 force = self._engine.equilibrium_forces(motion, displacement)
+                if (shaft := self._engine.free_shaft) is not None:
+                    # Nothing else balances the moment of the links at the clamp: the shaft is free.
+                    row = shaft.rotation(self._engine.links[shaft.link])
+                    elastic = self._engine.running_links(motion, displacement).internal_force
+                    assert elastic is not None
+                    force[shaft.link][:, row] = elastic[shaft.link][:, row]
                 stressed = replace(stressed, internal_force=force)
                 forces.append(np.concatenate(force, axis=1))
                 places.append(np.concatenate(displacement, axis=1))
