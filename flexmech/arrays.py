@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
-"""Intarray of indices."""
+"""Array of indices."""
 
 ROUND_OFF = 1e-12
 """Part of the terms of a sum below which their difference is rounding: some thousand operations

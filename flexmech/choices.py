@@ -99,7 +99,7 @@ MODES = 4
 """Natural frequencies asked for by default, in maps and responses alike."""
 
 MOST_SEED = 2**63 - 1
-"""Most seed of random numbers: files of results keep no greater integers."""
+"""Greatest seed of random numbers: files of results keep no greater integers."""
 
 MOST_ELEMENTS = 200
 """Elements a link: with so many, a four-bar takes 0.9 GB; with 500 it took more than 17 GB."""

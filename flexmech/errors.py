@@ -22,7 +22,7 @@ _MOST_NEAR = 5
 of one kind there are no more."""
 _FAST = 100.0
 """In rad/s: of greater crank speeds, 955 turns a minute and up, these are told as well."""
-# Unseen of characters that move a terminal's cursor, break a line, or turn the direction of
+# Categories of characters that move a terminal's cursor, break a line, or turn the direction of
 # writing.
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
 _BLANKS = str.maketrans("\n\r\t", "   ")

@@ -20,12 +20,12 @@ if sys.platform != "win32":
     import fcntl
 
 
-# Most shown of a path in a message: four lines of a terminal; longer ones are what the system
+# Characters of a path shown in a message: four lines of a terminal; longer ones are what the system
 # cannot reach.
 _MOST_SHOWN = 200
 PREFIX = ".flexmech-"
 """Prefix of the names of folders in which sets of files are made."""
-# Most files named of a folder with more files than these, as a study writes, its own name is
+# Files that are named one by one: of a folder with more files, as a study writes, the name is
 # printed.
 _MOST_FILES_NAMED = 30
 

@@ -60,7 +60,7 @@ class Bounds:
         return f"lie between {self.above:g} and {self.below:g}"
 
 
-# Full turn of angles that come from degrees, with their rounding.
+# A full turn, with the rounding of angles that come from degrees.
 _FULL_TURN = 2 * np.pi * (1 + ROUND_OFF)
 
 _NUMBERS = (int, float, np.integer, np.floating)

@@ -20,10 +20,10 @@ from flexmech.units import ANGULAR_SPEED, from_si, to_si
 from flexmech.validation import check_number, checked_array
 
 RAD_S = ANGULAR_SPEED.unit
-# Most told of speeds of a model file that are told: each of a few, of more the least and the
+# Speeds of a model file that are named one by one; of more speeds the least and the
 # greatest.
 _MOST_TOLD = 5
-# Digits of a speed that is told: machines' speeds are known to fewer.
+# Printed digits of a speed: machines' speeds are known to fewer.
 _DIGITS = 6
 
 

@@ -11,7 +11,7 @@ MOST_DIGITS = 4
 # Decimal places of a number with its error: more are below the solvers' own tolerance.
 MOST_DECIMALS = 6
 
-# Units of the last digit that is told: it is known to half of what the digit before it counts.
+# Units of the last printed digit: it is known to half of what the digit before it counts.
 _UNITS = 5.0
 # Below it zeros behind the point are hard to count.
 _PLAIN = 1e-3
@@ -126,7 +126,7 @@ def percent(relative: float) -> str:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number of an answer, in the unit in which it is told.
+    """A number of an answer, in its printed unit.
 
     Parameters
     ----------

@@ -8,8 +8,6 @@ answers ``--help`` at once; the requests of the analyses inherit these fields an
 
 from __future__ import annotations
 
-import inspect
-import re
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from functools import partial
@@ -33,6 +31,7 @@ from flexmech.crank_values import (
     GREATEST_OR_REST,
     parse_orders,
 )
+from flexmech.docstrings import entries, with_entries
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -49,55 +48,6 @@ else:  # Their rooms are imported where an analysis computes.
 EVERY_DEGREE = partial(typed.radians, "0:360:1")
 EVERY_5_DEGREES = partial(typed.radians, "0:360:5")
 """Crank angles that are taken where none are asked for; the help shows the text."""
-
-_HEADING = "Parameters\n----------\n"
-_NEXT_HEADING = re.compile(r"\n\n(?=\w[\w ]*\n-{3,}\n)")
-
-
-def entries(doc: str, heading: str = _HEADING) -> dict[str, tuple[str, str]]:
-    """Entries of a section of a NumPy docstring.
-
-    Parameters
-    ----------
-    doc : str
-    heading : str
-        Heading of the section, with its line.
-
-    Returns
-    -------
-    dict of str to tuple of str
-        Of each name what stands behind its colon, and the text.
-    """
-    section = _NEXT_HEADING.split(inspect.cleandoc(doc).partition(heading)[2])[0]
-    found: dict[str, tuple[str, str]] = {}
-    for entry in filter(None, re.split(r"\n+(?=\S)", section.strip("\n"))):
-        head, _, text = entry.partition("\n")
-        names, _, kind = head.partition(" : ")
-        found |= dict.fromkeys(names.split(", "), (kind, inspect.cleandoc(text)))
-    return found
-
-
-def with_entries(doc: str, further: dict[str, tuple[str, str]]) -> str:
-    """A docstring with further parameters behind its own.
-
-    Parameters
-    ----------
-    doc : str
-    further : dict of str to tuple of str
-        As of :func:`entries`.
-
-    Returns
-    -------
-    str
-    """
-    before, _, section = inspect.cleandoc(doc).partition(_HEADING)
-    first, *rest = _NEXT_HEADING.split(section) if section else ["", ""]
-    added = [
-        "\n    ".join([f"{name} : {kind}" if kind else name, *text.splitlines()])
-        for name, (kind, text) in further.items()
-    ]
-    told = "\n".join(filter(None, [first.rstrip(), *added]))
-    return "\n\n".join([f"{before.rstrip()}\n\n{_HEADING}{told}", *filter(None, rest)])
 
 
 class Options:

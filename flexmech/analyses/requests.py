@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.default_engines import chosen_engines, engine_for
-from flexmech.analyses.options import EngineOptions, entries, with_entries
+from flexmech.analyses.options import EngineOptions
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, SHAFTS, ShaftChoice
+from flexmech.docstrings import entries, with_entries
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
 from flexmech.mechanics import Engine, OverdampedError, TooManyModesError, check_elastic

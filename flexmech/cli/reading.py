@@ -20,8 +20,8 @@ from typing import Annotated, Any, get_args, get_type_hints
 
 from typer import Option
 
-from flexmech.analyses.options import entries
 from flexmech.analyses.typed import OWN, Plain, Together, Typed
+from flexmech.docstrings import entries
 
 _HEADING = "Options\n-------\n"
 _ANY_HEADING = r"(?m)^\w+\n-{3,}$"

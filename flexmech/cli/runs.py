@@ -125,7 +125,7 @@ def asked_shaping(
     shaped_for
         Whose frequencies count: end, where the crank stops; path, along its path.
     tolerated : RATIO
-        Tolerated of ei: what it leaves at the frequency, over the plain law; 5% if left out.
+        For ei: what it leaves at the frequency, over the plain law; 5% if left out.
     """
     shaping = None
     if shaper is not None:

@@ -127,7 +127,7 @@ def sample_intervals(time: FloatArray, at: FloatArray) -> tuple[IntArray, FloatA
     time : ndarray, shape (m,)
         Time of the steps.
     at : ndarray, shape (N,)
-        At of the samples.
+        Place of the samples.
 
     Returns
     -------

@@ -268,19 +268,19 @@ class JointSpring:
     ----------
     joint : str
     torsional_stiffness : float
-        Torsional stiffness of a spring in a pin or pivot in N m/rad.
+        Stiffness of a spring in a pin or pivot in N m/rad.
     torsional_damping : float
-        Torsional damping of a damper in a pin or pivot in N m s/rad.
+        Damping of a damper in a pin or pivot in N m s/rad.
     free_angle : float
         Angle of the following link less that of the leading one, or of a pivoted link, in rad,
         at which the spring has no torque. It is counted on continuously as the linkage turns, from
         the angles at crank angle zero (:func:`flexmech.linkages.continuous_angles`, which
         ``flexmech kinematics`` writes too).
     radial_stiffness : float, optional
-        Radial stiffness of the bearing in N/m, the same in all directions; without it the pin does
+        Stiffness of the bearing in N/m, the same in all directions; without it the pin does
         not give way.
     radial_damping : float
-        Radial damping of the bearing in N s/m, with ``radial_stiffness``.
+        Damping of the bearing in N s/m, with ``radial_stiffness``.
 
     Raises
     ------

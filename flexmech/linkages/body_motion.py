@@ -116,7 +116,7 @@ class MatrixWithRates:
         Parameters
         ----------
         right : MatrixWithRates
-            Right of shape (B, n, c); ``self`` is of shape (B, n, n).
+            Right-hand side of shape (B, n, c); ``self`` is of shape (B, n, n).
 
         Returns
         -------

@@ -20,12 +20,12 @@ from flexmech.linkages.motion import LOCKING_SINE
 TURN = 2 * np.pi
 # Samples of a turn: every degree. Clearances are smooth functions with a few extremes in a turn.
 _SAMPLES = 360
-# Aside of a step, by which samples are beside round crank angles, at which most change points are.
+# Part of a step by which samples lie beside round crank angles, where most change points are.
 _ASIDE = 0.3819660113
 # Least clearance at the samples beside a change point, half a degree away or less: some 1e-4.
 _NEAR_ZERO = 1e-2
-# Iterations of Newton's method, which needs four: clearances are parabolas to a percent within a
-# degree.
+# Most iterations of Newton's method, which needs four: clearances are parabolas to a percent
+# within a degree.
 _ITERATIONS = 8
 # In rad. Four places so far from the least clearance give it to some 1e-14, beside rounding.
 _BESIDE, _PARABOLA = 2.5e-4, 1e-13

@@ -50,7 +50,7 @@ class FourBar:
         change point the motion goes on smoothly, to the other side of that line; if one is at
         crank angle zero, the side is that of crank angles above it.
     sprung : tuple of str
-        Sprung of the joints A, B and O4, those with springs in place of a rigid bearing. A
+        Names of the joints among A, B and O4 with springs in place of a rigid bearing. A
         mechanism names those with a radial stiffness by itself.
 
     Raises

@@ -69,7 +69,7 @@ def shaking_force(
     joint_force : ndarray, shape (..., n_joints, 2)
         On the grounded or following link of each joint, in order, ground axes, N.
     drive_torque : ndarray, shape (...)
-        Drive torque of the drive on shaft and crank about the shaft's axis, N m.
+        Torque of the drive on shaft and crank about the shaft's axis, N m.
     point : tuple of float, optional
         About which the moment is taken, ground axes, m; the shaft's axis if left out.
     springs : sequence of Spring

@@ -169,7 +169,7 @@ def refuse_passing(linkage: Linkage, crank_angles: FloatArray) -> None:
 # Steps of a turn, at which angles are followed: half a degree. No link may turn by half a turn from
 # one to the next, as it would in a linkage that passes a dead point within a quarter of a degree.
 STEPS = 720
-# Beside of a step: how far beside a change point a place stands for it.
+# Part of a step: how far beside a change point a place stands for it.
 _BESIDE = 1 / 16
 
 

@@ -202,7 +202,7 @@ class Matrix(Constituent):
     uncertainty : mapping of str to float
         Uncertainty of properties whose source prints one, by their names, in the same units.
     wet_thermal_expansion : float, optional
-        Wet thermal expansion of the saturated resin in 1/K.
+        Thermal expansion of the saturated resin in 1/K.
     equilibrium : MoistureEquilibrium, optional
     diffusivity : Diffusivity, optional
         Diffusivity of water in the resin.

@@ -82,7 +82,7 @@ class Mechanism:
     reference_temperature : float
         Temperature in K at which lengths, sections and masses are as stated.
     ground_thermal_expansion : float
-        Ground thermal expansion of the frame between the ground pivots in 1/K.
+        Thermal expansion of the frame between the ground pivots in 1/K.
     wetting : mapping of str to Wetting
         Where water enters links, by name; through both faces of those left out. Links that
         are wet through both faces are not kept.
@@ -97,7 +97,7 @@ class Mechanism:
     joint_pins : tuple of JointPin
         Sizes of pins, pivots and the pins of sliders, for their strength.
     shaft_inertia : float
-        Shaft inertia of the shaft that drives the crank, about its axis, in kg m^2.
+        Inertia of the shaft that drives the crank, about its axis, in kg m^2.
     drive : Drive or MotorDrive, optional
         How the crank turns, or by which motor; runs take it where no speed is asked for.
     frame : SprungFrame, optional

@@ -216,7 +216,7 @@ class JointPin:
     eyes : tuple of PinEye
         Eyes of links that meet there; one without any sizes may be left out.
     bush_length : float, optional
-        Bush length of the bush in which the pin turns in m; the shortest hole around it if left
+        Length of the bush in which the pin turns in m; the shortest hole around it if left
         out.
     allowable_bearing_pressure : float, optional
         Allowable bearing pressure of pin and holes in Pa: force over diameter and length of the

@@ -109,7 +109,7 @@ def estimate_harmonics(
 
 
 def _at(spectrum: ComplexArray, number: np.ndarray) -> ComplexArray:
-    """At of real records at bins of either sign; (R, *number)."""
+    """Spectrum of real records at bins of either sign; (R, *number)."""
     found = spectrum[:, np.abs(number)]
     return np.where(number >= 0, found, found.conj())
 

@@ -52,7 +52,7 @@ class IdentifiedModes:
     residue : ndarray of complex, shape (points, k)
         The A in m/(N s).
     further_pole : ndarray of complex, shape (l,)
-        Further pole of modes in the band that were found and not asked for: the receptances need
+        Poles of further modes in the band that were found and not asked for: the receptances need
         them.
     further_residue : ndarray of complex, shape (points, l)
     lower_residual : ndarray of complex, shape (points,)
@@ -68,7 +68,7 @@ class IdentifiedModes:
     misfit : float
         Root mean square of what the model leaves of the receptances in the band, over theirs.
     pole_covariance : ndarray, shape (k, 2, 2)
-        Pole covariance of the real and imaginary part of each pole by noise, in 1/s^2.
+        Covariance of the real and imaginary part of each pole by noise, in 1/s^2.
     chart : StabilisationChart, optional
         Poles of all orders, of ``"lscf"`` alone.
     """

@@ -38,7 +38,7 @@ WIDTH = 3.0
 LEAST_CIRCLE_LINES = 9
 # In lines, of what is tried for the first circle of a peak: from the least number on, and doubled.
 HALF_WIDTHS = (4, 8, 16, 32)
-# Least explained of what stands out at a peak: noise is no circle.
+# Least part explained of what stands out at a peak: noise is no circle.
 LEAST_EXPLAINED = 0.5
 # A bound of work alone: all poles are refined together afterwards.
 MOST_ROUNDS = 20
@@ -46,7 +46,7 @@ MOST_ROUNDS = 20
 # hides a weak mode the result depends on the start: bias and scatter over a hundred noisy records
 # change by a tenth and more with 1e-4.
 CONVERGED = 1e-7
-# Weight rounds of Sanathanan and Koerner's iteration, whose weight needs the pole that it leads to:
+# Rounds of Sanathanan and Koerner's iteration, whose weight needs the pole that it leads to:
 # this pole serves as a start alone.
 WEIGHT_ROUNDS = 4
 
@@ -216,12 +216,12 @@ ORDERS = 30
 # Frequencies in the band that a fit needs: of one point 32 numbers, for the 12 unknowns of a mode
 # with the residual terms.
 LEAST_LINES = 16
-# Peak left of the greatest receptance: a peak that is left above it is a mode that LSCF has missed.
+# Part of the greatest receptance: a peak that is left above it is a mode that LSCF has missed.
 PEAK_LEFT = 0.1
 # Peaks that are tried, the most prominent ones: altogether, and near an expected mode. A bound of
 # work: those of noise are dropped afterwards.
 MOST_PEAKS, MOST_NEAR = 20, 3
-# Together of half their half-power width: poles so near to each other are one.
+# Part of half their half-power width: poles so near to each other are one.
 TOGETHER = 0.2
 # Relative: an expected mode is one that is found so near in frequency.
 NEAR = 0.05

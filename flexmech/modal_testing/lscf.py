@@ -215,7 +215,7 @@ def _chosen(
 
 
 def _column(order: IntArray, frequency: FloatArray, of: int) -> IntArray:
-    """Column of each order the pole nearest to one pole, where one is near; indices."""
+    """Indices of the poles nearest to one pole, order by order, where one is near."""
     distance = _relative(frequency, frequency[of])
     near = np.flatnonzero(distance < FREQUENCY_TOLERANCE)
     near = near[np.argsort(distance[near], kind="stable")]

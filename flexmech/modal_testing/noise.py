@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 
-# Least part of what a fit leaves, at least so much is noise of the response, whatever that of the
+# At least this part of what a fit leaves is noise of the response, whatever that of the
 # force is.
 _LEAST_PART = 0.1
-# Round off of a receptance, what rounding leaves of it.
+# Part of a receptance that rounding leaves.
 _ROUND_OFF = np.finfo(float).eps
 
 
@@ -154,7 +154,7 @@ class FrfNoise:
         Parameters
         ----------
         left : ndarray, shape (2 F,)
-            Left of the receptance, real parts and then imaginary ones.
+            Remainder of the receptance, real parts and then imaginary ones.
         basis : ndarray, shape (2 F, m)
             Orthonormal columns that were fitted.
         receptance : ndarray of complex, shape (F,)

@@ -183,7 +183,7 @@ def pole_covariance(
         In 1/s; none of them 0.
     receptance : ndarray of complex, shape (points, F)
     pole : ndarray of complex, shape (k,)
-        Pole of least squares.
+        Poles by least squares.
     noise : FrfNoise
         At these frequencies.
 

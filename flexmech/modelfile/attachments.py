@@ -111,7 +111,7 @@ def joint_springs(
     found: list[JointSpring] = []
     for name, joint in tables.joints.items():
         with findings.at(f"joints.{name}"):
-            # A joint that is not there is told of all its keys.
+            # The message on a joint that does not exist names all its keys.
             if joint.has_spring and name in topology.joint_names:
                 own = [joint.made(JointSpring, joint=name)]
                 found += checked_parts(topology, "joint_springs", own)

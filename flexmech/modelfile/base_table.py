@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import MISSING, fields
-from inspect import cleandoc, get_annotations
+from inspect import get_annotations
 from typing import (
     TYPE_CHECKING,
     Annotated,
@@ -30,6 +30,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from flexmech import si
+from flexmech.docstrings import entries
 from flexmech.errors import InputError, suggestion
 
 
@@ -195,24 +196,13 @@ def _made(value: Any) -> Any:
     return tuple(map(_made, value)) if isinstance(value, list | tuple) else value
 
 
-# Parameters of a docstring: its section of parameters; in that, their names and what they are.
-_PARAMETERS = re.compile(r"^Parameters\n-+\n(.*?)(?=^\w+\n-+$|\Z)", re.M | re.S)
-_PARAMETER = re.compile(r"^(\S[^:\n]*?) : .*\n((?: +.*\n?|\n)*)", re.M)
-
-
 def _parameters(record: type) -> dict[str, str]:
     """Descriptions of a record's parameters by their names, from its docstring and its bases'."""
     words: dict[str, str] = {}
     for kind in reversed(record.__mro__):
-        section = re.search(
-            r"^Parameters\n-+\n(.*?)(?=^\w+\n-+$|\Z)", cleandoc(kind.__doc__ or ""), re.M | re.S
-        )
-        entries = re.findall(
-            r"^(\S[^:\n]*?) : .*\n((?:[ ]+.*\n?|\n)*)", section[1] if section else "", re.M
-        )
-        for names, text in entries:
-            if not text.lstrip().startswith("As of"):
-                words |= dict.fromkeys(names.split(", "), " ".join(text.split()).rstrip("."))
+        for name, (_, text) in entries(kind.__doc__ or "").items():
+            if not text.startswith("As of"):
+                words[name] = " ".join(text.split()).rstrip(".")
     return words
 
 

@@ -148,7 +148,7 @@ def joint_pins(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tup
     found: list[JointPin] = []
     for name, joint in tables.joints.items():
         with findings.at(f"joints.{name}"):
-            # A joint that is not there is told of all its keys.
+            # The message on a joint that does not exist names all its keys.
             if joint.diameter is None or name not in topology.joint_names:
                 continue
             ends = topology.turning_ends.get(name, ())

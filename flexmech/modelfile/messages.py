@@ -15,7 +15,7 @@ from flexmech.errors import InputError, is_plain, one_line, suggestion
 from flexmech.modelfile.document import ModelFile
 from flexmech.si import QuantityField
 
-# Most told of the errors of a file, as many as a screen shows, and of the text of each, five lines.
+# Most errors of a file in a message, as many as a screen shows, and letters of each, five lines.
 MOST_TOLD = 10
 MOST_CHARACTERS = 400
 

@@ -16,7 +16,7 @@ from flexmech.modelfile.link_tables import LinkTable
 from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings
 
-# As drawn of a length: coordinates of a drawing have six digits as a rule, of which the last is
+# Part of a length: coordinates of a drawing have six digits as a rule, of which the last is
 # rounded.
 AS_DRAWN = 1e-5
 

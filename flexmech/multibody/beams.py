@@ -132,7 +132,7 @@ class BeamKind(ABC):
         items : SystemItems
         name : str
         nodes : list of ItemNumber
-            Nodes of its two nodes.
+            Coordinates of its two nodes.
         length : float
             In m.
         section : BeamSection

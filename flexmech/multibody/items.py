@@ -271,7 +271,7 @@ class SystemItems:
         nodes : list of ItemNumber
             Whose coordinates follow on each other.
         first : int
-            First of their coordinates.
+            First one of their coordinates.
         matrix : Made
         """
         self.add("ObjectGenericODE2", name, nodeNumbers=nodes, massMatrix=matrix)

@@ -87,7 +87,7 @@ def static_equilibrium(
     loads : list of ndarray, shape (B, n_link)
         Forces on each link in its frame.
     dead : DeadMoments
-        Dead of bodies and rigid links.
+        Moments of dead loads on bodies and rigid links.
 
     Returns
     -------

@@ -352,7 +352,7 @@ class LinkNodes:
     Parameters
     ----------
     mapped : NodeMap
-        Mapped of all links.
+        Map of the coordinates of all links.
     size : int
         Number of coordinates of all links.
     bodies : sequence of int

@@ -37,8 +37,8 @@ TWO_COLUMNS_FROM = 4
 PANEL_HEIGHT, MOST_TALL, FLAT_PANEL = 1.4, 5, 1.1
 FEW_SPEEDS = 5
 """More crank speeds than these are told by a colour map rather than by styles."""
-# Lightest of viridis, which is perceptually uniform and grows lighter throughout; its yellow end
-# cannot be seen on white.
+# Lightest part of viridis, which is perceptually uniform and grows lighter throughout; its yellow
+# end cannot be seen on white.
 LIGHTEST = 0.9
 COLOURS = LinearSegmentedColormap.from_list(
     "speeds", mpl.colormaps["viridis"](np.linspace(0.0, LIGHTEST, 256))

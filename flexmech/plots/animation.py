@@ -37,7 +37,7 @@ from flexmech.plots.style import Look, line_handle, publication_style, series_st
 MOST_FRAMES, FRAMES_A_SECOND = 120, 20
 # Wide enough to read, small enough for a web page: about 640 pixels.
 DOTS_AN_INCH = 90
-# Title height of the line with time and crank angle, in inches: letters of 9 points and room around
+# Height of the line with time and crank angle, in inches: letters of 9 points and room around
 # them.
 TITLE_HEIGHT = 0.35
 # Marks of joints over those of a figure: links are drawn nearly twice as wide.
@@ -53,7 +53,7 @@ Pictures = Iterator[NDArray[np.uint8]]
 # Colours of a GIF's palette, which may have 256: a few hues with their blends into white take no
 # more.
 COLOURS = 128
-# Nearly white of 255: entries of the palette that are lighter throughout are paper; the lightest
+# Level of 255: entries of the palette that are lighter throughout are paper; the lightest
 # grey is darker.
 NEARLY_WHITE = 240
 

@@ -37,7 +37,7 @@ from flexmech.units import from_si
 # Large panel of a front and of a panel of contours in inches.
 LARGE_PANEL = 3.0
 BOUND: Look = {"color": "black", "lw": 1.0, "ls": "--"}
-"""Bound of limits."""
+"""Line of a limit."""
 
 
 def computed(dataset: xr.Dataset) -> xr.Dataset:

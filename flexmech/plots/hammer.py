@@ -52,11 +52,11 @@ HAMMER, FEWER = "force of the hammer", "give one Axes a record"
 CIRCLE_DOTS: style.Look = {"marker": ".", "ms": 3.5, "ls": ""}
 # More dots on an arc than these hide the lines under them.
 MOST_DOTS = 40
-# Least width of an arc that shows a circle: its width over its length at least. Narrower is the
+# Least width over length of an arc that shows a circle. Narrower is the
 # curve of the other modes, with a kink where the mode is.
 LEAST_WIDTH = 0.4
 
-# Behind of the orders' axis, that the receptance behind the poles takes: its peaks end below the
+# Part of the orders' axis that the receptance behind the poles takes: its peaks end below the
 # top.
 BEHIND = 0.9
 CURVE: style.Look = {"color": style.MID_GREY, "lw": 0.8, "zorder": 1}

@@ -37,7 +37,7 @@ WIDTHS = (1.1, 2.2, 3.3)
 # Around forces by distributed masses, which they hardly leave.
 LUMPED: style.Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3, "zorder": 1.9}
 
-# Magnitude of the magnitude of a force, behind its components.
+# Line of the magnitude of a force, behind its components.
 MAGNITUDE: style.Look = {"color": "0.6", "lw": 2.2, "zorder": 1.5}
 
 TITLE = "Transmission angle over a turn of the crank"
@@ -45,7 +45,7 @@ TITLE = "Transmission angle over a turn of the crank"
 # Of two square panels beside each other, of three, and of four panels of angles, in inches: as high
 # as the panels are wide, and two rows that fill less than half a page.
 HEIGHT, HEIGHT_OF_THREE, ANGLE_HEIGHT = 3.6, 2.45, 4.2
-# Close up room of a close-up over the extent of the loops: what leads into them is seen on both
+# Room of a close-up over the extent of the loops: what leads into them is seen on both
 # sides.
 CLOSE_UP_ROOM = 1.5
 # Above this extent in m a picture is in m, below it in mm, whose numbers have four digits at most.
@@ -579,7 +579,7 @@ def motion_picture(dataset: xr.Dataset, points: list[str]) -> Picture:
     return over_positions(over, panes, title, layout=layout)
 
 
-# Prescribed of the drive, which is the same for all engines.
+# Line of the prescribed drive, which is the same for all engines.
 PRESCRIBED: Look = {"color": "0.15", "lw": 1.2}
 ENVELOPE: Look = {"color": MID_GREY, "lw": 0.9, "zorder": 1.5}
 STOP: Look = {"color": MID_GREY, "lw": 0.9, "ls": ":", "zorder": 0.5}

@@ -28,7 +28,7 @@ from flexmech.plots.style import LABEL_POINTS, Look, line_handle, series_style
 POSTURE_HEIGHT = (1.7, 3.4)
 HIGH_POSTURE = 4.4
 ROW_HEIGHT = 2.2
-# Heading of a panel's heading in inches.
+# Height of a panel's heading in inches.
 HEADING = 0.25
 # What the numbers along the transmission angle take of the width.
 AXIS_INCHES = 0.6

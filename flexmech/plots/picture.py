@@ -41,7 +41,7 @@ class Curve:
     upto : ndarray, shape (n,), optional
         The other edge of a band, which is filled; its look is that of a patch.
     wave : float
-        Wave of a line against time that may vibrate faster than its pane can show, how much wider
+        For a line against time that may vibrate faster than its pane can show, how much wider
         it is drawn than others; 0 of any other line.
     when : mapping
         What the reader of a page must have chosen for it to be shown.
@@ -203,13 +203,13 @@ class Picture:
     ----------
     panes : sequence of Pane
     x_label : str
-        X label of the axis along x, with its unit.
+        Label of the axis along x, with its unit.
     of : Dataset
         Whose mechanism and terms the heading names.
     title : str
         Below them.
     y_label : str
-        Y label of all axes along y, with the unit or with units to choose from as a pane's label;
+        Label of all axes along y, with the unit or with units to choose from as a pane's label;
         empty where they differ.
     over : {"angle", "time", "speed", "number", "plane"}
         What runs along x: crank angle in degrees, time with the crank angle on a second axis, crank

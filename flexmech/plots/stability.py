@@ -46,7 +46,7 @@ KINDS = {
 }
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
 NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
-# Label points of names of bands, in points: smaller than other words, as they stand upright side by
+# Size of names of bands, in points: smaller than other words, as they stand upright side by
 # side.
 LABEL_POINTS = 6.5
 # Names at most, as more would hide the curve under them, and the part of the axes' width that one
@@ -55,7 +55,7 @@ NAMES, NARROW_NAMES = (14, 0.024), (7, 0.045)
 # Of the axes' width, two points: narrower bands are marks at the lower edge, of this part of the
 # height, which hide no curve.
 LEAST_WIDTH, MARK_HEIGHT = 0.004, 0.05
-# Least named of the greatest growth rate: bands that grow more slowly lie on the line of zero,
+# Part of the greatest growth rate: bands that grow more slowly lie on the line of zero,
 # without names.
 LEAST_NAMED = 0.02
 
@@ -306,7 +306,7 @@ def _scale(
     return ends, "linear"
 
 
-# Panel height of a panel of an engine in inches: two fill two thirds of a page.
+# Height of an engine's panel in inches: two fill two thirds of a page.
 PANEL_HEIGHT = 2.9
 # Grows darker throughout, and begins where it is told from white.
 COLOURS = LinearSegmentedColormap.from_list(
@@ -448,9 +448,9 @@ def _words(dataset: xr.Dataset) -> str:
 HEIGHT, NARROW_HEIGHT, BRANCH_HEIGHT = 3.9, 3.2, 1.45
 # Points are seen on it.
 FILL: Look = {"alpha": 0.22, "lw": 0}
-# Point size of marks, in points: they show where many branches lie close to each other.
+# Size of marks, in points: they show where many branches lie close to each other.
 POINT_SIZE = 2.2
-# Lowest part of the lowest mean frequency, at which the axis begins: the linkage may be near to
+# Part of the lowest mean frequency at which the axis begins: the linkage may be near to
 # buckling, where the lowest frequency is zero, which has no place on a logarithmic axis.
 LOWEST_PART = 0.4
 # Harmonics of the lowest branches are drawn: those of the natural frequencies asked for by default.

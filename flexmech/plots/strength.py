@@ -37,10 +37,10 @@ WORST = {"link": "worst place", "fatigue": "worst place by fatigue", "pin": "pin
 FIRST, OTHERS = "with its load factor", "likewise"
 # Digits of a load factor: loads and strengths are known to fewer.
 DIGITS = 3
-# Wide of links in points, wide enough for their colour to be seen.
+# Width of links in points, wide enough for their colour to be seen.
 WIDE = 5.0
 LEAST_HEIGHT, MOST_HEIGHT = 2.2, 4.6
-# Name room of a number beside its place, over the linkage's size; how far it stands off, in points,
+# Room of a number beside its place, over the linkage's size; how far it stands off, in points,
 # and in which directions beside a joint.
 NAME_ROOM = 0.08
 AWAY = 17.0

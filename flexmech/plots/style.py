@@ -30,11 +30,11 @@ TWO_COLUMNS = 180.0
 NARROW = 130.0
 # Narrower pages cannot hold a legend's entries, wider ones no printer takes.
 LEAST_WIDTH, MOST_WIDTH = 80.0, 400.0
-# Light grey of fillings and lines behind curves, seen beside white, and of words and lines to be
+# Greys of fillings and lines behind curves, seen beside white, and of words and lines to be
 # read.
 LIGHT_GREY = "0.90"
 MID_GREY = "0.45"
-# Label points of words inside panels, in points: one less than the numbers along the axes have.
+# Size of words inside panels, in points: one less than the numbers along the axes have.
 LABEL_POINTS = 7.0
 # What the labels of the y axis take of a figure's width in inches, on the safe side.
 BESIDE_PANELS = 0.85
@@ -57,7 +57,7 @@ _width: ContextVar[float] = ContextVar("page width in mm", default=TWO_COLUMNS)
 # Below this number of angles each computed point is marked: a line alone would suggest a
 # resolution that is not there, and a single point would not show at all.
 FEW_POINTS = 10
-# Point size of these marks in points: twice a line's width and more, so that they are seen on it.
+# Size of these marks in points: twice a line's width and more, so that they are seen on it.
 POINT_SIZE = 3.0
 Look = dict[str, Any]
 """Properties of a line or a marker, as matplotlib names them."""

@@ -175,7 +175,7 @@ class ForceBalance:
         z : ndarray, shape (size, B)
         problem : Problem
         before : sequence of LinearStrain, optional
-            Before of each link's elements where a step came from that has led to z; see
+            Strains of each link's elements where a step came from that has led to z; see
             :meth:`CorotationalElements.response`.
 
         Returns

@@ -463,7 +463,8 @@ def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **par
     name : str
         Name of the panel, and of its table in the file.
     said : Summary, optional
-        Said of the result: its answer, table and warnings are the panel's, and all else is folded.
+        Summary of the result: its answer, table and warnings are the panel's, and all else is
+        folded.
     variant : str
         Which of several tables of words, where the panel has several.
 

@@ -577,14 +577,14 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
 
 @cache
 def _unit_rectangle() -> Zigzag:
-    """Unit rectangle of a rectangle 1 m thick with ``EI / kGA`` of 0.2 m^2."""
+    """Zigzag beam of a rectangle 1 m thick with ``EI / kGA`` of 0.2 m^2."""
     laminate = Laminate((Layer(Ply.isotropic(Material(1.0, 1.0, poisson_ratio=0.0)), 1.0),))
     strip = Strip(laminate, "wide")
     return zigzag_of(strip, PlaneState(laminate, strip.strains[1]))
 
 
 def rectangular_zigzag(thickness: float, bending_over_shear: float) -> Zigzag:
-    """Rectangular zigzag of a solid rectangle of one material.
+    """Zigzag beam of a solid rectangle of one material.
 
     Parameters
     ----------

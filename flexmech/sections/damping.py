@@ -21,14 +21,14 @@ class DampingTimes:
     Parameters
     ----------
     axial : float
-        Axial of stretching along the neutral axis, in s.
+        Kelvin-Voigt time of stretching along the neutral axis, in s.
     bending : float
-        Bending of bending about it, in s.
+        Kelvin-Voigt time of bending about it, in s.
     shear : float
-        Shear of shear, in s.
+        Kelvin-Voigt time of shear, in s.
     warping : float, optional
-        Warping of warping cross-sections, in s; as of bending if left out. A change of the shear
-        angle along the link asks for it in zigzag and third-order beams.
+        Kelvin-Voigt time of warping cross-sections, in s; as of bending if left out. A change of
+        the shear angle along the link asks for it in zigzag and third-order beams.
     stated : bool
         Whether anybody says so. Times of zero that nobody states leave open whether the
         specific damping counts in motion over time.
@@ -84,7 +84,7 @@ class SpecificDamping:
     Parameters
     ----------
     axial : float
-        Axial of stretching along the neutral axis.
+        Kelvin-Voigt time of stretching along the neutral axis.
     bending : float
         Bending of bending about it.
     shear : float

@@ -124,7 +124,7 @@ def free_edges(laminate: Laminate, width: float) -> tuple[FloatArray, float]:
 
 @lru_cache(maxsize=256)
 def _free_edges(laminate: Laminate, ratio: float) -> tuple[FloatArray, float]:
-    """Free edges of a width over the thickness."""
+    """Free edges of a laminate whose width over the thickness is given."""
     faces, solids = layer_runs(laminate)
     width = ratio * laminate.thickness
     found = _meshed(faces, solids, width)

@@ -26,7 +26,7 @@ from flexmech.dynamical_systems import (
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.solvers.moving_modes import MovingModes
 
-# Most steps of a turn; more do not fit into memory with the smallest of linkages.
+# Greatest number of steps of a turn; more do not fit into memory with the smallest of linkages.
 MOST_STEPS = 1_000_000
 SHAPE_ANGLES = 16
 """Crank angles a turn at which the shapes of modes are compared: a shape changes as the linkage's
@@ -283,7 +283,7 @@ def wrapped(values: FloatArray, turn: float = 2 * np.pi) -> FloatArray:
     return np.asarray(values - turn * np.round(values / turn))
 
 
-# Harmonics to either side of the largest whose share is told: more hold a thousandth.
+# Harmonics to either side of the largest whose share is given: more hold a thousandth.
 HARMONICS = 4
 
 
@@ -511,7 +511,7 @@ def step_error(moving: VibratingLinkage, modes: SelectedModes, damping: float) -
 
 
 def _round_off(system: SampledPeriodicSystem, modes: SelectedModes) -> FloatArray:
-    """Round off of the logarithms of a constant system's multipliers, (k,)."""
+    """Round-off of the logarithms of a constant system's multipliers, (k,)."""
     matrix = system.matrices(1, 0.0)[0]
     values, left, right = scipy.linalg.eig(matrix, left=True, right=True)
     cosine = np.abs(np.einsum("in,in->n", left.conj(), right))

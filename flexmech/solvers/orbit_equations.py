@@ -189,7 +189,7 @@ class RunningForces:
                 force = link.vector_map.force(moving[number][0], force)
             for body in link.bodies:
                 moved = (x @ body.rows.T for x in moving[number])
-                force += body.inertia_in_motion(given[0], number, given[1], *moved) @ body.rows
+                force += body.inertia_in_motion(given[0], number, given[1], *moved)[0] @ body.rows
             forces.append(force)
         self._subtract(loads, forces, moving)
         return forces
@@ -314,7 +314,7 @@ class OrbitState:
         Whose rows are derivatives of the links' coordinates by z at these displacements.
     stressed : StressedLinks
     connected : ConnectedMatrices or None
-        Connected of loads and springs there, by z; None without them.
+        Matrices of loads and springs there, by z; None without them.
     residual : ndarray, shape (N, n)
         Forces out of balance.
     error : float

@@ -347,7 +347,7 @@ class NonlinearOrbit:
         Greatest distance from the quasi-static equilibrium over the greatest displacement of
         the orbit, at stations along the links; nan where there is no such equilibrium.
     passes : int
-        Passes of Newton's method, in all.
+        Number of passes of Newton's method, in all.
     """
 
     crank_speed: float
@@ -446,7 +446,7 @@ def nonlinear_orbit(
     crank_speed : float
         In rad/s, not zero.
     near : NonlinearOrbit, optional
-        Near of an engine with the same links' coordinates, at a crank speed nearby, from which
+        Motion of an engine with the same links' coordinates, at a crank speed nearby, from which
         Newton's method starts; it starts from the quasi-static equilibrium by default, and where it
         finds nothing from there.
 

@@ -340,7 +340,7 @@ SUSPICIOUS = REDUCTION_TOLERANCE / 2
 DETAILS = (1.0, 1.25, 2.0, GREAT_DETAIL, 2 * GREAT_DETAIL, 4 * GREAT_DETAIL)
 # Steps of Newton's method to an unreduced eigenvalue: it converges in three or four.
 MOST_STEPS = 8
-# Matrix bytes of dense unreduced matrices of one kind in memory at a time. Memory alone.
+# Bytes of dense unreduced matrices of one kind in memory at a time. Memory alone.
 MATRIX_BYTES = 4_000_000
 
 
@@ -386,7 +386,7 @@ class CheckedModes:
     modes : Modes
         The modes asked for and spare ones.
     reduction_error : ModeErrors
-        Reduction error of the modes asked for.
+        Error of the modes asked for by the reduction.
     """
 
     systems: Systems
@@ -589,7 +589,7 @@ class UnreducedPositions:
 
     @cached_property
     def _every(self) -> list[Pencil]:
-        """Every of few positions, which are asked for once for each detail."""
+        """Pencils of few positions, which are asked for once for each detail."""
         return self._at(slice(None))
 
     def _at(self, part: slice) -> list[Pencil]:

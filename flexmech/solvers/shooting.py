@@ -211,7 +211,7 @@ def _affine_map(end: VibrationState) -> tuple[FloatArray, FloatArray]:
     Parameters
     ----------
     end : VibrationState
-        End of the last block of :func:`_all_motions`.
+        State at the end of the last block of :func:`_all_motions`.
 
     Returns
     -------

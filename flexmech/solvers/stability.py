@@ -216,7 +216,7 @@ def _by_frequency(modes: SelectedModes) -> IntArray:
     return np.asarray(forward[order].ravel(), dtype=np.intp)
 
 
-# Most speeds of polynomials in the square of the crank speed, which the inertia forces are in
+# Most nodes of polynomials in the square of the crank speed, which the inertia forces are in
 # proportion to: more of them would make more of what each equilibrium is off by.
 MOST_SPEEDS = 3
 

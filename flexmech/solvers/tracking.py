@@ -106,7 +106,7 @@ Mask = NDArray[np.bool_]
 # A mode that keeps this part of its kinetic energy in one shape is that shape: what is left for any
 # other one is a fifth.
 UNAMBIGUOUS_MAC = 0.8
-# Crossing width of the angles over which two modes exchange shapes: where that takes less, they
+# Width of the angles over which two modes exchange shapes: where that takes less, they
 # cross, since the crank passes it in a small part of a period at any speed below the first
 # frequency.
 CROSSING_WIDTH = np.radians(0.25)

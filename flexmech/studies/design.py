@@ -66,7 +66,7 @@ class Design:
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """Mechanism of the design."""
+        """Mechanism of this design."""
         return self.engine.mechanism
 
     @property

@@ -312,7 +312,7 @@ class Output:
 
     @property
     def dimension(self) -> Dimension:
-        """Dimension of its numbers."""
+        """Dimension of the output's numbers."""
         return self.kind.dimension
 
     @property
@@ -461,4 +461,4 @@ KINDS: Mapping[str, Kind] = {
     "largest_multiplier": Kind(RATIO, "greatest Floquet multiplier", _multiplier),
     "stable_speed_margin": Kind(RATIO, "distance to the next unstable band", _stable_margin),
 }
-"""Kinds of every quantity."""
+"""Kind of output by its quantity."""

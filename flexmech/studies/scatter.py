@@ -14,7 +14,7 @@ from flexmech.errors import InputError, one_line
 from flexmech.studies.evaluation import MOST_LETTERS, STATUSES, Evaluated
 from flexmech.studies.study import Study, sobol_points
 
-# Rule of the k-th of n ordered values the probability (k - 1/2) / n is not exceeded, as of points
+# The probability that the k-th of n ordered values is not exceeded is (k - 1/2) / n, as of points
 # that are spread evenly; other rules take the percentiles of few values too near to the median.
 _RULE: Literal["hazen"] = "hazen"
 
@@ -162,7 +162,7 @@ class Scatter:
         return rows
 
     def _statistics(self, values: FloatArray) -> FloatArray:
-        """Statistics of values (n, s, m) the percentile or mean of every output, (n, m)."""
+        """Percentile or mean of every output, (n, m), from values (n, s, m)."""
         columns = []
         for number, name in enumerate(self.study.outputs):
             own, part = values[:, :, number], self.study.percentiles.get(name)

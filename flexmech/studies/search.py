@@ -62,7 +62,7 @@ class Search:
     best : ndarray or None
         Least of every goal, with the sign that makes less the better.
     design : ndarray or None
-        Design of the first goal's best design within every limit.
+        The first goal's best design within every limit.
     nearest : ndarray or None
         Design that violates the limits least.
     violation : float

@@ -134,7 +134,7 @@ def ranked(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def output_quantities(design: xr.Dataset, outputs: list[str]) -> tuple[Quantity, ...]:
-    """Outputs of one design with their errors, in the units in which they are told."""
+    """Outputs of one design with their errors, in their printed units."""
     found = []
     for name in outputs:
         unit = design[name].attrs["shown_unit"]
@@ -145,7 +145,7 @@ def output_quantities(design: xr.Dataset, outputs: list[str]) -> tuple[Quantity,
 
 
 def designs_in_words(dataset: xr.Dataset, mechanism: str) -> Table:
-    """Designs as rows of a table, in the units in which they are told."""
+    """Designs as rows of a table, in their printed units."""
     names = [*dataset.attrs["variables"].split("\n"), *dataset.attrs["outputs"].split()]
     units = [str(dataset[name].attrs.get("shown_unit", "")) for name in names]
     headings = tuple(

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 MOST_DESIGNS = 64
 """Whose frequencies are drawn, the first of a sample: they alone are spread evenly too."""
 DRAWN_PERCENTILES = (2.5, 50.0, 97.5)
-# Least designs of so few the interval of 95 % is that of the outermost designs.
+# With fewer designs the interval of 95 % would be that of the outermost ones.
 _LEAST_DESIGNS = 8
 
 
@@ -144,12 +144,12 @@ def _of_one(study: Study, engine: Engine, output: Output, row: FloatArray) -> Fl
 
 
 CONFIDENCE = 0.95
-"""Confidence of the intervals."""
+"""Confidence level of the intervals."""
 INDICES = ("first_order", "total")
-"""Indices of every input: alone, and with what it does together with others."""
+"""Sobol's indices of an input: alone, and together with others."""
 
 _RESAMPLES = 1000
-# Changes of the outputs' size: what never changes has no variance to share.
+# Part of the outputs' size: an output that changes less has no variance to share.
 _CHANGES = 1e-12
 # Shares of the variance that are not known to this part of it say little about which input matters.
 _POOR = 0.2

@@ -20,7 +20,7 @@ Distribution = Literal["range", "values", "uniform", "normal", "lognormal"]
 CRANK_SPEED = "crank-speed"
 """Variable that is a crank speed, of which a model file has none or several."""
 
-# Extreme of a distribution without ends: one of a million designs is beyond.
+# Probability beyond the range of a distribution without ends: one design of a million.
 _EXTREME = 1e-6
 
 
@@ -224,7 +224,7 @@ def known_variable(
     name : str
     keys : sequence of str
     speed : Dimension
-        Speed of the crank speed.
+        Dimension of the crank speed.
 
     Returns
     -------

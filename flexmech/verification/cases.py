@@ -55,7 +55,7 @@ class VerificationCase:
     Parameters
     ----------
     subject : str
-        Subject of the group of cases that it belongs to.
+        Name of the group of cases that it belongs to.
     name : str
         Within its group.
     source : str

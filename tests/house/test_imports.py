@@ -20,6 +20,7 @@ SCENARIOS = ROOT.parent / "scenarios"
 # From the ground up. A room may import from those before it, and from nothing else.
 ORDER = [
     "interruption",
+    "docstrings",
     "unit_registry",
     "errors",
     "example_models",

@@ -19,8 +19,8 @@ from flexmech.mechanism import Mechanism
 
 # Relative error of the rigid linkage's motion under a motor: below all digits that are printed.
 _TOLD = 1e-6
-# Between of a peak over a settled turn: samples half a degree apart miss as much of its tenth
-# harmonic.
+# Part of a peak over a settled turn that lies between samples: those half a degree apart miss as
+# much of its tenth harmonic.
 _BETWEEN = 1e-3
 # By which a run of one turn may lack of it, once elastic links have moved the shaft.
 _A_TURN = 1e-3

@@ -17,7 +17,7 @@ MOST_ORDER = 10
 
 _PARTS = ("shaking_force", "shaking_moment")
 _MM = 1e3
-# Shown of the greatest order: less is not told in a line, and stands in the table.
+# Part of the greatest order below which an order stands in the table alone, not in a line.
 _SHOWN = 1e-3
 
 

@@ -127,7 +127,7 @@ def balanced(mechanism: Mechanism, weights: Sequence[Counterweight]) -> Mechanis
 _FEATURES = 3
 # Parts of the full force balance from which the search starts.
 _STARTS = (1.0, 0.5, 0.1)
-# Gain of the weighed sum as given: counterweights that do not gain more are left out.
+# Least gain over the weighed sum as given: counterweights that gain less are left out.
 _GAIN = 1e-9
 # Relative change of the sum, and slope of it over the scale of the moments, that end the search.
 _GRADIENT = 1e-12
@@ -322,7 +322,8 @@ def least_moments(weighed: WeighedSum, full: Sequence[complex]) -> list[complex]
     ----------
     weighed : WeighedSum
     full : sequence of complex
-        Full of full force balance, from parts of which the search starts; zero where there is none.
+        Radii of full force balance, from parts of which the search starts; zero where there
+        is none.
 
     Returns
     -------

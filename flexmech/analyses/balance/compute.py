@@ -50,7 +50,7 @@ STATES = ("as given", "balanced")
 """States of the linkage, along the dimension ``state``."""
 
 SCHEMA = schema_of(__package__)
-# Steps of a turn whose harmonics are told.
+# Steps of a turn whose harmonics are given.
 _STEPS = 720
 _TURN = 2 * np.pi
 

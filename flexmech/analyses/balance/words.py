@@ -18,7 +18,7 @@ from flexmech.analyses.summary import Row, Summary, Table, crank_speed_text
 from flexmech.arrays import ROUND_OFF
 
 _MM, _GRAM = 1e3, 1e3
-# What is told of a counterweight, its unit, and the factor from the SI unit.
+# Quantities of a counterweight, their units, and the factors from the SI units.
 _OF_COUNTERWEIGHTS = (("mass", "g", _GRAM), ("radius", "mm", _MM), ("angle", "deg", DEGREES))
 # Relative error of extremes, as of ``kinematics``: less is below the digits of all that is printed.
 _TOLD = 1e-6

@@ -32,7 +32,7 @@ from flexmech.errors import ComputationError
 from flexmech.mechanics import RefusedPositionsError
 from flexmech.solvers.formulation import Systems
 
-# Probe every of a turn at a speed in doubt, every so many crank angles are tried first: what has no
+# At a speed in doubt every so many crank angles of a turn are tried first: what has no
 # equilibrium has none over a part of the turn, which twelve of 72 angles find for a sixth of the
 # cost.
 PROBE_EVERY = 6

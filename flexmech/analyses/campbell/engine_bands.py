@@ -57,7 +57,7 @@ logger = logging.getLogger(__name__)
 CONVERGED = 1e-8
 # The secant doubles the digits in less than two rounds; what has not converged is sought anew.
 MOST_ROUNDS = 20
-# Of the crank angles around an extreme, in steps of the grid: at first, and at last, where the
+# Distance of crank angles around an extreme, in steps of the grid: at first, and at last, where the
 # parabola through three of them is the curve to nine digits.
 FIRST_ASIDE, LAST_ASIDE = 0.5, 0.04
 # Relative differences of frequencies below this are their round-off.

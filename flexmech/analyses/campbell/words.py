@@ -73,7 +73,7 @@ class Critical:
 
     @property
     def end_errors(self) -> tuple[float, float]:
-        """End errors of start and end in rad/s; not a number where the range is cut."""
+        """Errors of start and end in rad/s; not a number where the range is cut."""
         ends = zip((self.start, self.end), self.is_cut, strict=True)
         first, last = (math.nan if cut else abs(end) * self.error for end, cut in ends)
         return first, last

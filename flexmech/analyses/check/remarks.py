@@ -174,7 +174,7 @@ USUAL_TRANSMISSION_ANGLE = (40.0, 140.0)
 # Above that of machines, 10 or less, and below a slip of a unit: millimetres for centimetres are
 # told with links that differ by a factor of two.
 _MOST_LENGTH_RATIO = 20.0
-# Nearly in line of the longest link: lengths are made as exactly as this.
+# Part of the longest link: lengths are made as exactly as this.
 _NEARLY_IN_LINE = 1e-3
 # Point masses over the mass of all links: a tool may be ten times as heavy, grams for kilograms a
 # thousand times.
@@ -188,7 +188,7 @@ _LEAST_TEMPERATURE, _MOST_TEMPERATURE = 200.0, 500.0
 # Turns a second over the first natural frequency: the third harmonic of the loads meets it there.
 # Strain by inertia along a link: that of metals when they yield.
 _MOST_SPEED_RATIO, _MOST_INERTIA_STRAIN = 1 / 3, 2e-3
-# Most damping ratio of the first mode: rubber has as much.
+# Greatest damping ratio of the first mode: rubber has as much.
 _MOST_DAMPING_RATIO = 0.2
 
 

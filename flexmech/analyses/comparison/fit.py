@@ -32,14 +32,14 @@ _CONFIDENCE = 0.95
 # each coefficient is known to a third or better.
 _MOST_ORDER = 40
 _SAMPLES_AN_ORDER = 8
-# Difference of a parameter's scale: step of the central differences, whose error is far below
+# Step of the central differences, over a parameter's scale: their error is far below
 # noise.
 _DIFFERENCE = 1e-4
 # Up to which progress counts; a fit of a few parameters takes fewer.
 _MOST_EVALUATIONS = 100
 # Relative step of the scaled parameters at which a fit ends: of an answer, and of a start.
 _EXACTLY, _ROUGHLY = 1e-10, 1e-3
-# Most condition of the slopes, each divided by its size, beyond which parameters do the same.
+# Condition of the slopes, each over its size, beyond which parameters have the same effect.
 _MOST_CONDITION = 1e6
 # At which the spectrum of an autoregressive process is added up: peaks of modes with a damping of
 # 0.5 %, at forty samples a period, are drawn by four.
@@ -54,7 +54,7 @@ class Parameter:
     ----------
     name : str
     unit : str
-        In which its value is told; empty for a ratio.
+        Unit of the printed value; empty for a ratio.
     start : float
         Value in this unit from which the fit begins.
     scale : float

@@ -39,7 +39,7 @@ _CANDIDATES = 6
 # Relative: a record is placed at a mode that is so near to it on average, and the only one so near,
 # where the next one is so many times as far.
 _NEAR, _TIMES_FARTHER = 0.025, 3.0
-# Modes told of the nearest modes a message names so many.
+# A message names so many of the nearest modes.
 _MODES_TOLD = 3
 
 

@@ -468,7 +468,7 @@ def rows_taken_at(
     own : ndarray, shape (N,)
         Where each row was taken, as messages name it.
     asked : float
-        Asked of the request, as messages name it.
+        Quantity asked for, as messages name it.
     option : {"speed", "angle"}
     unit : str
         Unit of both, for messages.

@@ -22,7 +22,7 @@ _POOR = 0.5
 _MOST_TOLD = 2
 # Relative difference of frequencies beyond which other modes are compared, or another linkage.
 _FAR_OFF = 0.1
-# Turned better of its sign turned, a record must be explained better by this factor to be thought
+# With its sign turned, a record must be explained better by this factor to be thought
 # of so.
 _TURNED_BETTER = 0.8
 # Factor or its inverse beyond which a gain is no error of calibration.

@@ -221,7 +221,7 @@ def percent_range(values: xr.DataArray, error: float) -> str:
     places = max(min(places, decimals_of(100 * error)) if known else places, 0)
     told = " to ".join(dict.fromkeys(f"{end:+.{places}f}" for end in ends))
     uncertain = f"{100 * error:.{places}f}"
-    # What is below the last place is no error of what is told.
+    # A difference below the last printed place is no error.
     return f"{told} % ± {uncertain} %" if known and float(uncertain) else f"{told} %"
 
 

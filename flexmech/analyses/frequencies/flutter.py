@@ -23,8 +23,8 @@ from flexmech.plots.reading import speed_unit
 from flexmech.solvers.eigenproblem import Modes, solve_modes
 from flexmech.solvers.formulation import Systems
 
-# Least ratio of a damping ratio: two undamped frequencies that nearly meet are known to the root of
-# round-off, 1e-8, and a vibration that grows so slowly takes 2e5 periods to grow threefold.
+# Least damping ratio that counts: two undamped frequencies that nearly meet are known to the root
+# of round-off, 1e-8, and a vibration that grows so slowly takes 2e5 periods to grow threefold.
 LEAST_RATIO = 1e-6
 # Every 10 deg of a turn: whether forces change over it.
 TURN = np.linspace(0.0, 2 * np.pi, 36, endpoint=False)

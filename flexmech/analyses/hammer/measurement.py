@@ -221,9 +221,9 @@ class GridShapes:
     shape : ndarray of complex, shape (P, k)
         Identified; the point that moves most has 1. Not a number for modes that were not found.
     eigen_shape : ndarray of complex, shape (P, k)
-        Eigen shape of the eigen model, scaled to the identified one.
+        Shape of the eigen model, scaled to the identified one.
     mac : ndarray, shape (k,)
-        Mac of both.
+        Modal assurance criterion of both.
     complexity_factor, eigen_complexity_factor : ndarray, shape (k,)
     """
 

@@ -176,7 +176,7 @@ class LockedLinkage:
 _ABOVE_MODES = 1.25
 # Sampling rate over bandwidth, as analysers have it: the anti-aliasing filter falls between.
 _SAMPLES_A_HERTZ = 2.56
-# Left of the slowest vibration at the end of a record, its exponential window included: what is cut
+# Part of the slowest vibration left at the end of a record, window included: what is cut
 # off there is below the noise of a good test.
 LEFT = 1e-4
 # Spectral lines of a record: analysers have twice as many from setting to setting.

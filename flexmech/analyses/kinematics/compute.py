@@ -39,7 +39,7 @@ from flexmech.linkages import (
 from flexmech.mechanics import Engine, checked_mechanism
 from flexmech.mechanism import Mechanism, with_motor_run
 
-# Harmonic steps of a turn whose harmonics are told: orders alias into them from those beyond 700
+# Steps of a turn whose harmonics are given: orders alias into them from those beyond 700
 # alone.
 _HARMONIC_STEPS = 720
 # Of a move with its dwell, or of a turn after a run-up; and of a whole law.

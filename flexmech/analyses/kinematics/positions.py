@@ -49,7 +49,7 @@ def values_of(
     point : tuple of float, optional
         About which the shaking moment is taken, m.
     shaft_torque : float or ndarray, shape (A,)
-        Shaft torque of the drive on the shaft itself, N m.
+        Torque of the drive on the shaft itself, N m.
 
     Returns
     -------
@@ -335,7 +335,7 @@ def extreme_values(
         In rad, increasing.
     point : tuple of float, optional
     shaft_torque : float or callable
-        Shaft torque of the drive on the shaft itself, N m; or what gives it at the angles.
+        Torque of the drive on the shaft itself, N m; or what gives it at the angles.
     step : float, optional
         Where the angles are times: in what steps extremes are sought, in s.
 

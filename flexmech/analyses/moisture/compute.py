@@ -217,7 +217,7 @@ _SHARES = np.array([0.5, 0.9, 0.99])
 _FINER = 2
 # Times of a history from which times to shares are read.
 _TIMES_TO_SHARES = 400
-# Longest of the time scale of filling; a slab is full to 1e-17 by then.
+# Longest time over the time scale of filling; a slab is full to 1e-17 by then.
 _LONGEST = 40.0
 
 

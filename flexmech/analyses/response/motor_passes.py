@@ -25,7 +25,7 @@ from flexmech.mechanics.running import RotorCoupling, ShaftTorque, Trajectory
 
 logger = logging.getLogger(__name__)
 
-# Converged of the greatest torque: by which that of a run may be off the motor's along its motion.
+# Part of the greatest torque by which a run's may be off the motor's along its motion.
 _CONVERGED = 1e-5
 # A correction by the rigid linkage gains more than a pass, up to what its splines leave.
 _WORTH = 5e-5

@@ -29,7 +29,7 @@ _SAMPLES_PER_PERIOD = 2.5
 # Forces and torque count up to this part of the lowest frequency at which the links vibrate
 # along themselves: what rings faster depends on the time step and on how the start is idealized.
 _FORCE_BAND = 0.5
-# Loose of the greatest eigenvalue: what is below is round-off of links that turn.
+# Part of the greatest eigenvalue: what is below is round-off of links that turn.
 _LOOSE = 1e-10
 
 # Steps that a method may need beyond the last value that counts, and some.

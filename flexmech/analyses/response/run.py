@@ -69,7 +69,7 @@ class RunError:
     Parameters
     ----------
     linkage : float
-        Linkage of the deflections of all links, over the greatest peak among them, fast or not:
+        Change of the deflections of all links, over the greatest peak among them, fast or not:
         what a step is chosen by.
     of : dict of str to ndarray
         ``deflection`` and ``peak_deflection``, ``stress`` and ``peak_stress`` of each link
@@ -99,7 +99,7 @@ class Remainder:
     part : float
         Part of the change.
     fast : float
-        Fast of what the change has of vibration that is faster than ``resolved``.
+        Part of the change that vibrates faster than ``resolved``.
     resolved : float
         In Hz.
     """

@@ -45,10 +45,10 @@ def running_shaking(
     trajectory : Trajectory
         At the N samples asked for.
     carried : RigidMotion
-        Carried of the rigid linkage at the angles that the shaft has.
+        Motion of the rigid linkage at the angles that the shaft has.
     request : ResponseRequest
     rotor_torque : ndarray, shape (N,), optional
-        Rotor torque of a motor: rate of the angular momentum of its rotor in N m.
+        For a motor: rate of the angular momentum of its rotor in N m.
 
     Returns
     -------

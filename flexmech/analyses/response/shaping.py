@@ -270,7 +270,7 @@ def shaper_variables(law: LawShaper) -> xr.Dataset:
     )
 
 
-# Kept of the shaped run what is told beside the plain one.
+# Variables of the shaped run that stand beside the plain one.
 _KEPT = (
     "deflection",
     "driving_torque",
@@ -300,7 +300,7 @@ def with_shaped_law(
     Parameters
     ----------
     plain : xarray.Dataset
-        Plain of the run by the plain law.
+        Variables of the run by the plain law.
     engines : sequence of Engine
         The first one's modes are those that the law is shaped for.
     request : ResponseRequest

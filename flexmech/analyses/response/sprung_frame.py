@@ -24,7 +24,7 @@ from flexmech.mechanism import SprungFrame
 # In rad. Linear equations of a frame are of first order in its rotation, by which their numbers are
 # off: of frames on soft springs 0.3 to 1.3 times as much. Beyond the greatest they tell nothing.
 _WORTH_A_WARNING, _GREATEST_ROTATION = 0.05, 0.5
-# Variables with a peak, the unit in which it is told, and what a number is multiplied by.
+# Variables with a peak, its printed unit, and what a number is multiplied by.
 _PEAKS = {
     "frame_displacement": ("mm", 1e3),
     "frame_rotation": ("deg", DEGREES),

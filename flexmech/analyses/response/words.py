@@ -23,7 +23,7 @@ from flexmech.analyses.response.agreement import (
 from flexmech.analyses.response.stresses import stress_words
 from flexmech.analyses.summary import EngineDifference, Table, trust_line
 
-# Table digits of deflections in the table of peaks.
+# Digits of deflections in the table of peaks.
 _TABLE_DIGITS = 5
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
@@ -41,7 +41,7 @@ def peak_table(
     Parameters
     ----------
     peaks : xarray.Dataset
-        Peaks of :meth:`flexmech.analyses.Response.peaks`.
+        Peaks as of :meth:`flexmech.analyses.Response.peaks`.
     start : float
         Crank angle at time zero in rad.
     title : str
@@ -142,7 +142,7 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> tuple[Table | str, ...]:
     Parameters
     ----------
     peaks : xarray.Dataset
-        Peaks of :meth:`flexmech.analyses.Response.peaks`.
+        Peaks as of :meth:`flexmech.analyses.Response.peaks`.
     data : xarray.Dataset
         Data of the response.
 
@@ -197,7 +197,7 @@ def _crank(angle: float, start: float) -> tuple[float, int]:
     return degrees, int(turned + _WHOLE_TURN) + 1
 
 
-# Variables with a peak, the unit in which it is told, and what a number is multiplied by.
+# Variables with a peak, its printed unit, and what a number is multiplied by.
 _PEAKS = {
     "deflection": ("mm", 1e3),
     "stress": ("MPa", 1e-6),

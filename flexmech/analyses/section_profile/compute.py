@@ -224,7 +224,7 @@ def _nothing_known(link: str) -> str:
 
 _STRAIN = ((1e-6, "1e-6"),)
 _STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
-# Stated alone of a section that is stated by its numbers.
+# Construction of a section that is stated by its numbers.
 _STATED_ALONE = "by its stiffness and mass"
 # What rounding leaves of a zero, over the largest value of its column.
 _ZERO = 1e-9

@@ -44,7 +44,7 @@ ASIDE = 1.5
 # stand where it holds.
 LEAST_ASIDE = 0.02
 REFINED = 2
-# Least slope of the slope of free modes: where it is less, the modes are together in half of the
+# Part of the slope of free modes: where the slope is less, the modes are together in half of the
 # step or more.
 LEAST_SLOPE = 0.5
 # In a band the sum of the frequencies is this near to its order times that of the crank, which is

@@ -147,7 +147,7 @@ def speeds_between(samples: Sequence[Sample], step: float, refused: Sequence[flo
     return found
 
 
-# Narrowest gap of the distance of the neighbours of a dip: two bands whose gap is narrower stay
+# Part of the distance of a dip's neighbours: two bands whose gap is narrower stay
 # one.
 NARROWEST_GAP = 0.02
 
@@ -289,7 +289,7 @@ def nearest_meeting(exponent: NDArray[np.complex128], period: float) -> float:
 
 
 YES, NO, NO_EQUILIBRIUM = "yes", "no", "no equilibrium"
-# Not computed of speeds that an interrupted map has not come to.
+# State of speeds that an interrupted map has not reached.
 NOT_COMPUTED = "not computed"
 EDGES, PARTS = ("lower", "upper"), ("step", "reduction", "mesh")
 
@@ -394,10 +394,10 @@ class TrackedSpeed(FloquetExponents):
     buckled_angle : float or None
         A crank angle in rad at which the linkage is statically unstable.
     orbit_distance : float or None
-        Orbit distance of the periodic motion from the quasi-static equilibrium, relative to the
+        Distance of the periodic motion from the quasi-static equilibrium, relative to the
         greatest displacement; with prestress ``trajectory`` alone.
     orbit_residual : float or None
-        Orbit residual of the periodic motion, relative to the inertia forces.
+        Residual of the periodic motion, relative to the inertia forces.
     rigid : ndarray of complex, shape (2 r,)
         Exponents in 1/s of the free shaft's own motion, which is none of the modes.
     """

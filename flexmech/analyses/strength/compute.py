@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Factors of which files have nothing where no load or speed leads to failure.
+# Factors that files leave empty where no load or speed leads to failure.
 _FACTORS = ("", "margin_", "pin_", "fatigue_")
 
 
@@ -114,7 +114,7 @@ def strength_dataset(
     forces : mapping of str to InternalForces
         Forces of every link.
     judged : mapping of str to JudgedLink
-        Judged of links whose layers are known.
+        Links to judge, whose layers are known.
     judged_at : ndarray, shape (B,)
         Crank angles at which they were judged, in rad.
 

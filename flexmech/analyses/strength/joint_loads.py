@@ -247,7 +247,7 @@ class LoadsOfTurn:
         Links of every link.
     joints : JointLoads
     moment_gap : ndarray, shape (n_links, 2), optional
-        Moment gap of links that run: greatest difference of their bending moments from those of the
+        For links that run: greatest difference of their bending moments from those of the
         curvature, and greatest moment, in N m.
     """
 

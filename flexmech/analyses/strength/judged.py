@@ -261,7 +261,7 @@ class JudgedMechanism:
         Parameters
         ----------
         loads : LoadsOfTurn
-            Loads of rigid links with a clamp a run may know no moment.
+            Loads of links; a run may know no moment of rigid links with a clamp.
         static : LoadsOfTurn, optional
             Part of them that does not grow with the square of the speed.
 

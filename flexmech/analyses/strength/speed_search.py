@@ -19,7 +19,7 @@ Least = Callable[[float], Mapping[str, float]]
 STEPS, BEYOND = 24, 1.1
 # Each halves the step in which a part fails: then the speed is known to a thousandth of the range.
 HALVINGS = 6
-# Close of links at rest in their frames. The secant through a load factor so near to 1 has its root
+# For links at rest in their frames. The secant through a load factor so near to 1 has its root
 # to some 1e-4.
 CLOSE = 0.01
 # Speeds for each part, the least and the greatest of them over that asked for, how much a step may

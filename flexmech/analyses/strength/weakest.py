@@ -25,7 +25,7 @@ from flexmech.errors import InputError
 from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 
-# Same of the range of samples: a vertex nearer to a sample is that sample, whose stress is less
+# Part of the range of samples: a vertex nearer to a sample is that sample, whose stress is less
 # than its own by the square of that alone.
 _SAME = 1e-6
 _TURN = 2 * np.pi
@@ -447,7 +447,7 @@ def seek(
     source : SampledLoads
         Crank angles are added to it.
     static : SampledLoads, optional
-        Static of what does not grow with the square of the speed, at the same crank angles.
+        Loads of what does not grow with the square of the speed, at the same crank angles.
     rounds : int
     between : bool
         Whether crank angles may be added.
@@ -500,7 +500,7 @@ def changes_of(judged: JudgedMechanism, coarse: Sought, finer: SampledLoads) -> 
     judged : JudgedMechanism
     coarse : Sought
     finer : SampledLoads
-        Finer of the same mechanism; begins without crank angles.
+        Loads of the same mechanism on a finer mesh; begins without crank angles.
 
     Returns
     -------

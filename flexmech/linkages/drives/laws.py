@@ -194,7 +194,7 @@ TABLE_ENDS: tuple[TableEnds, ...] = get_args(TableEnds)
 
 # Degree of the spline, whose acceleration is smooth; of fewer rows than that takes the lower one.
 _DEGREE, _LOWER_DEGREE = 5, 3
-# Straight of the travel of a table, or of a tenth of a turn where that is more: rows that leave a
+# Part of the travel of a table, or of a tenth of a turn where that is more: rows that leave a
 # straight line by this much are on it but for the round-off of their numbers.
 _STRAIGHT = 1e-13
 # A step whose speed is beyond this many times those of the steps beside it, and that of all others

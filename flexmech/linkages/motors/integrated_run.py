@@ -256,7 +256,7 @@ class _Integration:
             self._values.append(found.y[:, later])
 
 
-# Along tolerance of the residual between the nodes, relative: values are off by 3e-8 of the
+# Tolerance of the residual between the nodes, relative: values are off by 3e-8 of the
 # greatest then, also of controls at their limits, far below what ends the passes of a run.
 _ALONG_TOLERANCE = 1e-5
 # For each time that is given: more are needed where a control meets its limits. Work alone.

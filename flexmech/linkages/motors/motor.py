@@ -44,10 +44,10 @@ class Motor(abc.ABC):
     inertia : float
         Inertia of the rotor about its axis in kg m^2.
     coupling_stiffness : float, optional
-        Coupling stiffness of a coupling between gear and crank, at the crank, in N m/rad; rigid if
+        Stiffness of a coupling between gear and crank, at the crank, in N m/rad; rigid if
         left out.
     coupling_damping : float
-        Coupling damping of the coupling in N m s/rad.
+        Damping of the coupling in N m s/rad.
 
     Raises
     ------
@@ -74,7 +74,7 @@ class Motor(abc.ABC):
 
     @property
     def inertia_at_crank(self) -> float:
-        """Inertia at crank of the rotor, reduced to the crank, in kg m^2."""
+        """Inertia of the rotor, reduced to the crank, in kg m^2."""
         return self.inertia * self.gear_ratio**2
 
     def coupling_torque(self, twist: FloatArray, rate: FloatArray) -> FloatArray:
@@ -248,7 +248,7 @@ class DcMotor(Motor):
     resistance : float
         Resistance of a DC motor's armature in ohm.
     torque_constant : float
-        Torque constant of a DC motor in N m/A, which is that of the back-EMF in V s/rad.
+        Constant of a DC motor in N m/A, which is that of the back-EMF in V s/rad.
     voltage : float
         Voltage of a DC motor in V; with speed control the greatest one either way.
     inductance : float
@@ -288,7 +288,7 @@ class DcMotor(Motor):
 
     @property
     def no_load_speed(self) -> float:
-        """No load speed of the motor in rad/s."""
+        """No-load speed of the motor in rad/s."""
         return self.voltage / self.torque_constant
 
     @property
@@ -548,7 +548,7 @@ class DriveTrain:
 
     @property
     def rigid_inertia(self) -> float:
-        """Rigid inertia of what turns rigidly with the crank in kg m^2."""
+        """Inertia of what turns rigidly with the crank in kg m^2."""
         return 0.0 if self.is_coupled else self.motor.inertia_at_crank
 
     @property

@@ -149,7 +149,7 @@ class ShaftEquation:
 
     @property
     def _rigid_inertia(self) -> float:
-        """Rigid inertia of all that turns with the crank besides the linkage."""
+        """Inertia of all that turns with the crank besides the linkage."""
         return self.shaft_inertia + self.train.rigid_inertia
 
 
@@ -162,7 +162,7 @@ class TwistedShaft:
     Parameters
     ----------
     rotor : ShaftEquation
-        Rotor of the rotor without the coupling, whose load is all that the coupling carries.
+        Equation of the rotor without the coupling, whose load is all that the coupling carries.
     train : DriveTrain
         With the coupling.
     twist : FourierSeries
@@ -203,7 +203,7 @@ _TOLERANCE = 1e-7
 _MOST_NODES = 10_000
 # Over the speed near which it is sought: a motor whose torque does not fall knows no bound.
 _FAST = 1e3
-# Doublings of the speed from which it is sought.
+# Most doublings of the speed from which the settled one is sought.
 _DOUBLINGS = 6
 
 
@@ -384,9 +384,9 @@ class _Turn:
         return np.asarray(self._way * by_time / own[0])
 
 
-# Settled of the mean speed, by which a run may end off the settled motion.
+# Part of the mean speed by which a run may end off the settled motion.
 _SETTLED = 1e-2
-# Difference of the shorter step beside an instant, over which rates are differentiated.
+# Part of the shorter step beside an instant, over which rates are differentiated.
 _DIFFERENCE = 1e-3
 # Pieces of a run that are in memory and in a file: a slip of the keyboard asks for more.
 MOST_PIECES = 400_000
@@ -438,7 +438,7 @@ class MotorRun(Drive):
     duration : float
         In s; the last time is some beyond, but for a motor that stalls.
     stall : Stall, optional
-        Stall of a motor that stalls before the end.
+        Place of the stall, where a motor stalls before the end.
 
     Examples
     --------
@@ -522,7 +522,7 @@ class MotorRun(Drive):
         Parameters
         ----------
         revolutions : float
-            Revolutions of no account: the run is one of so many already.
+            Not used: the run is one of so many already.
         """
         return self.duration
 

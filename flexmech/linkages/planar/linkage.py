@@ -283,7 +283,7 @@ class PlanarLinkage:
 # A bound of work: Newton's method takes five where links swell by some percent; where it takes 30,
 # nothing fits.
 ITERATIONS = 30
-# Converged of the size: as near as rounding lets joints close, so that a linkage resized back is
+# Part of the size: as near as rounding lets joints close, so that a linkage resized back is
 # the same.
 CONVERGED = 1e-15
 

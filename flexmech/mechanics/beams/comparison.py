@@ -40,7 +40,7 @@ from flexmech.threads import one_thread
 
 # Theories differ by the wavelength of a mode, hardly by the crank angle.
 ANGLES = np.radians(np.arange(0.0, 360.0, 60.0))
-# Simplest of slender links these two are all that is compared.
+# Slender links compare these two alone.
 SIMPLEST = ("euler", "timoshenko")
 # Elements of a link from which on component modes are not faster. Speed alone.
 MOST_REDUCED = 16

@@ -62,7 +62,7 @@ _RATES = ((False, False), (False, True), (True, False), (True, True))
 # besides the twist changes the first mode of longer ones by 1.7 % at most ([15], wide; [30] by
 # 0.9 %).
 SHORT = 40
-# Least of the frequency between all strains across free and none: one percent is what is told of
+# Least change of the frequency between all strains across free and none: one percent is named of
 # beams.
 LEAST = 0.01
 
@@ -205,7 +205,7 @@ def _between_pins(x: Parabolas, y: Parabolas, z: Parabolas) -> Any:
 
 WAVES = 3
 """Loads in half sines whose bending moments are among the distributions."""
-# Softest of the bending stiffness that end faces may seem to take away. They add to it; what takes
+# Part of the bending stiffness that end faces may seem to take away. They add to it; what takes
 # is a difference in shear.
 SOFTEST = 0.2
 # Elements of the beam with which the link is compared: twice those along the link in three

@@ -461,7 +461,7 @@ class _Block:
 
     @classmethod
     def of(cls, frame: FloatArray, batch: int, size: int) -> Self:
-        """Of of a frame alone."""
+        """Matrices of a frame alone."""
         return cls(
             np.zeros((batch, size, COORDINATES)),
             np.zeros((batch, COORDINATES, size)),

@@ -90,7 +90,7 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
     Returns
     -------
     bodies : BodyMotion
-        Bodies of shape (B, n_links + 1), the ground last.
+        Motion of the bodies, of shape (B, n_links + 1), the ground last.
     slid : ndarray of complex, shape (3, B, n_sliders)
         Places in m, and their first and second time derivative: an acceleration of the rigid
         motion along the line. On the ground the displacement alone.

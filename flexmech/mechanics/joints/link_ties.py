@@ -144,7 +144,7 @@ class LinkTies:
         How many of them, the first ones, others may depend on: those of rigid links and of sliders,
         displacements of link ends, rotations of welded ends and of a free shaft.
     rigid : JointCoordinates
-        Rigid of rigid links, sliders and leading ends.
+        Stiffness of rigid links, sliders and leading ends.
     joint_rows : list of JointRows
         All rows that move with joint coordinates.
     ties : list of list of Tie
@@ -493,7 +493,7 @@ class DisplacedTies:
     Attributes
     ----------
     displaced : DisplacedMotion
-        Displaced of the link frames.
+        Displacements of the link frames.
     """
 
     def __init__(self, ties: LinkTies, motion: RigidMotion, y: FloatArray) -> None:

@@ -331,7 +331,7 @@ def without_spin_softening(
     stressed : StressedLinks
         Under dead loads.
     displaced_inertia : DisplacedInertia or None
-        Displaced inertia of links that rotate as one body.
+        Inertia forces by displacements of links that rotate as one body.
 
     Returns
     -------

@@ -210,7 +210,7 @@ class LinkModel:
     fields : RigidFields
         Rigid accelerations in these coordinates (of the unreduced link only).
     reduced_ends : EndMatrices, optional
-        Reduced ends of a reduced link; see :attr:`ends`.
+        Ends of a reduced link; see :attr:`ends`.
     start_warping, end_warping : ndarray of int, shape (k,)
         Coordinates that a joint of any kind at that end fixes: its pin is in a fitting that keeps
         the cross-section plane.
@@ -225,10 +225,10 @@ class LinkModel:
     bodies : tuple of RigidBody
         Part of the straight link's matrices. A rigid link is one, mass off the axis one a node.
     uncounted_rotary_inertia : float
-        Uncounted rotary inertia of sections, kg m, that ``mass`` leaves out; see ``rigid_inertia``
+        Rotary inertia of sections, kg m, that ``mass`` leaves out; see ``rigid_inertia``
         in ``link_inertia``.
     vector_map : VectorMap, optional
-        Vector map of the unreduced link, whose matrices are those of small displacements: to
+        Map of an unreduced link whose matrices are those of small displacements, to
         coordinates by which its inertia is linear at finite ones, where these are others.
     """
 

@@ -17,7 +17,7 @@ from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
 from flexmech.linkages.inverse_dynamics import RANK_TOLERANCE
 from flexmech.mesh import curvature_at, shapes_at, station_shapes
 
-# Small of the shortest element: the slope of a cubic is off by the square of it, the difference of
+# Part of the shortest element: the slope of a cubic is off by the square of it, the difference of
 # its deflections by round-off over it, both 1e-8 or less.
 SMALL = 1e-4
 # Nodes that determine the curvature at a place.

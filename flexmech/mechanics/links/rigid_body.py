@@ -20,7 +20,7 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linkages import LinkBody, LinkMass, RigidMotion
 from flexmech.linkages.motion import direction, normal, quarter_turn
 
-# On axis of a second moment: what its differences leave of a body on the axis. An arm a millionth
+# Part of a second moment: what its differences leave of a body on the axis. An arm a millionth
 # of the radius of gyration long counts.
 ON_AXIS = 1e-12
 NOWHERE = np.zeros((3, 0))
@@ -294,10 +294,8 @@ class RigidBody:
         moved, rate, acceleration : ndarray, shape (B, 3)
             As of :meth:`inertia`.
         """
-        speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
-        net = self.net_acceleration(motion, link, gravity)
-        by_q = self.inertia(speed, change, net, moved, rate, acceleration)[1]
-        spin = speed + rate[:, 2]
+        by_q = self.inertia_in_motion(motion, link, gravity, moved, rate, acceleration)[1]
+        spin = motion.angular_velocity[:, link] + rate[:, 2]
         return np.asarray(by_q[:, 2, 2] + self.translational_inertia * spin**2)
 
     def inertia_in_motion(
@@ -308,7 +306,7 @@ class RigidBody:
         moved: FloatArray,
         rate: FloatArray,
         acceleration: FloatArray,
-    ) -> FloatArray:
+    ) -> tuple[FloatArray, FloatArray]:
         """Inertia force less weight, with opposite sign, in a motion of its link.
 
         Parameters
@@ -326,10 +324,12 @@ class RigidBody:
         -------
         ndarray, shape (B, 3)
             Force on the point and moment about it.
+        ndarray, shape (B, 3, 3)
+            Derivative of them by the displacement.
         """
         speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
         net = self.net_acceleration(motion, link, gravity)
-        return self.inertia(speed, change, net, moved, rate, acceleration)[0]
+        return self.inertia(speed, change, net, moved, rate, acceleration)
 
     def linear_inertia(
         self,
@@ -359,7 +359,7 @@ class RigidBody:
             By :meth:`matrices` of the straight link, and the load on that.
         """
         speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
-        straight = self.inertia_in_motion(motion, link, gravity, *3 * [np.zeros_like(moved)])
+        straight = self.inertia_in_motion(motion, link, gravity, *3 * [np.zeros_like(moved)])[0]
         mass, gyroscopic, centrifugal = self.matrices(np.zeros(()))
         turned = 2 * speed[:, None] * rate + change[:, None] * moved
         linear = acceleration @ mass + turned @ gyroscopic.T

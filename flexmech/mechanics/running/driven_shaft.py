@@ -93,7 +93,7 @@ class ShaftTorque:
     coupling : RotorCoupling, optional
         Between rotor and shaft.
     recorded : list
-        Recorded of :meth:`record`, which fills it.
+        Records, filled by :meth:`record`.
     """
 
     time: FloatArray

@@ -320,7 +320,7 @@ class StepBlock:
     joint_force : ndarray, shape (m, n_joints, 2)
         On the held or following link, ground axes, in the order of the topology's joints.
     driving_torque : ndarray, shape (m,)
-        Driving torque of the shaft on the clamped link about the shaft's axis.
+        Torque of the shaft on the clamped link about the shaft's axis.
     kinetic_energy, strain_energy, gravity_energy : ndarray, shape (m,)
     dissipation_power : ndarray, shape (m,)
         What damping takes out of the links, positive.

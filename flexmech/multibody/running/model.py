@@ -64,7 +64,7 @@ class RunningModel:
     impacts : sequence of Impact
         Pulses on points of links.
     torque : TorqueTable or MotorOnHub, optional
-        Torque of a shaft that is free; it turns as prescribed where this is left out.
+        Torque on a free shaft; it turns as prescribed where this is left out.
 
     Attributes
     ----------
@@ -227,7 +227,7 @@ class RunningModel:
         ----------
         position, velocity : ndarray, shape (size,)
         moved : FrameMotion, optional
-            Moved of a frame on springs, arrays of shape (1, 3).
+            Displacement of a frame on springs, arrays of shape (1, 3).
 
         Returns
         -------
@@ -267,7 +267,7 @@ class RunningModel:
         position : ndarray, shape (size,)
             At time zero.
         moved : FrameMotion, optional
-            Moved of a frame on springs, arrays of shape (1, 3).
+            Displacement of a frame on springs, arrays of shape (1, 3).
 
         Returns
         -------

@@ -289,7 +289,7 @@ class AngleGap:
     ----------
     follower : JoinedEnd
     leader : JoinedEnd or None
-        Leader of a hub, the frame that it turns against.
+        For a hub, the frame that it turns against.
     between : float
         From the leader, or the hub, to the follower in rad.
     on_hub : bool

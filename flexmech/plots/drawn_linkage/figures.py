@@ -83,7 +83,7 @@ SPRING_MARKS: tuple[tuple[str, str, Path, float, float], ...] = (
 PANELS_A_ROW, NARROW_ROW, POINTS_A_STATION = 4, 2, 4
 # Largest displacement as drawn, over the linkage's size: more than in larger pictures.
 ENLARGED_TO = 0.14
-# Bar room of the scale bar with its words over the linkage's size, which is small beside its
+# Room of the scale bar with its words over the linkage's size, which is small beside its
 # letters.
 BAR_ROOM = 0.14
 # An end that moves less than this part of the largest displacement in every mode is held: it moves

@@ -39,12 +39,12 @@ GUIDE: Look = {"color": "0.5", "lw": 0.8, "ls": (0.0, (4.0, 2.0)), "zorder": 0.8
 MASS: Look = {"marker": "o", "mew": 0.0, "alpha": 0.75, "zorder": 3.0}
 """Look of a point mass."""
 MASS_COLOR = "0.45"
-# Small of marks of masses and bodies over those in a picture of one linkage, where several are
+# Size of marks of masses and bodies over those in a picture of one linkage, where several are
 # beside each other.
 SMALL = 0.6
 # Area of the greatest point mass's mark in square points: twelve points wide, more hides links.
 LARGEST_MARK = 144.0
-# Least mark of a point mass's mark at least: a ring of it is seen around the marks of pins and
+# Least size of a point mass's mark: a ring of it is seen around the marks of pins and
 # welds.
 LEAST_MARK = 64.0
 # Width of a rigid link over that of one that bends: told from it where both are thin.
@@ -80,11 +80,11 @@ class LinkageSketch(Posture):
     parts : LinkageParts
         What belongs to it besides its links.
     mass_color : str
-        Mass color of point masses and attached bodies.
+        Colour of point masses and attached bodies.
     mark_size : float
         Mark size of their marks over what it is in a picture of one linkage.
     joint_size : float
-        Joint size of the marks of pins and welds over the usual one.
+        Size of the marks of pins and welds over the usual one.
     travel : ndarray, shape (posture, link, station, 2), optional
         Postures over which the lines of sliders reach; this one alone if left out.
     around : ndarray, shape (n, 2), optional
@@ -134,7 +134,7 @@ class LinkageSketch(Posture):
 
     @property
     def shaft_radius(self) -> float:
-        """Shaft radius of the disc that shows the driven shaft, in m."""
+        """Radius of the disc that shows the driven shaft, in m."""
         return max(self.hub_radius, SHAFT * self.size)
 
     def places(self, *kinds: str) -> FloatArray:
@@ -159,7 +159,7 @@ class LinkageSketch(Posture):
         ----------
         points : ndarray, shape (..., 2)
         bar_room : float
-            Bar room of the scale bar with its words over the linkage's size.
+            Room of the scale bar with its words over the linkage's size.
 
         Returns
         -------

@@ -27,7 +27,7 @@ from flexmech.plots.style import Look
 OUTLINE = "0.35"
 GRAVITY_COLOR = "0.5"
 THIN: Look = {"color": OUTLINE, "lw": 0.5}
-# Hatch angle of the strokes of the driven shaft in rad: those of the ground below it lean alike.
+# Angle of the strokes of the driven shaft in rad: those of the ground below it lean alike.
 HATCH_ANGLE = np.radians(-135.0)
 # Turns of a spring between points and of one in a joint, as many as are told at its size, and share
 # of a spring that is straight at either end.
@@ -585,7 +585,7 @@ JOINED, BESIDE = 0.12, 2.4
 FIRST, LAST, DEEP = np.radians(25.0), np.radians(155.0), 0.22
 
 BEARING: Look = {"ms": 7.0, "marker": "o", "mfc": "none", "mec": OUTLINE, "mew": 0.6, "zorder": 3.9}
-# Damped of the ring around a bearing with a damper over that without: both are told.
+# Radius of the ring around a bearing with a damper over that without: both are seen.
 DAMPED = 1.4
 # Over the linkage's extent: half the width of a spring between points and of the wall that holds
 # it, which is wider; radius of a spring and of a damper in a joint, which is around it.
@@ -691,7 +691,7 @@ def joint_spring_symbols(posture: Posture, mark_size: float) -> list[Symbol]:
     ----------
     posture : Posture
     mark_size : float
-        Mark size of the rings of bearings over the usual one.
+        Size of the rings of bearings over the usual one.
 
     Returns
     -------

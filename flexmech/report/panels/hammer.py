@@ -14,7 +14,7 @@ from flexmech.report import panel
 from flexmech.report.panel import plotted
 from flexmech.report.results import Results, speed_name, speed_unit_of
 
-# Receptances of the curves of both figures those that are shown: variable, and dashes or colour and
+# Curves of both figures that are shown: variable, and dashes or colour and
 # more.
 RECEPTANCES = (("exact_receptance", "--"), ("receptance", "-"))
 # Angles whose curves are shown, each with a colour of its own; the table holds all.

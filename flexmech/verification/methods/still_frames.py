@@ -20,7 +20,7 @@ from flexmech.verification.methods.engines import SLENDER, engine_of_name
 SECTION = BeamSection.rectangle(Material(200e9, 7800.0), 10e-3, 30e-3)
 HEIGHT, SPAN = 0.5, 0.7
 FrameName = Literal["L", "portal"]
-# Step of exact frequencies in Hz, between which roots are looked for; no two roots are nearer.
+# Step in Hz at which roots of exact frequencies are bracketed; no two roots are nearer.
 STEP = 1.0
 
 
