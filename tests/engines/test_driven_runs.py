@@ -154,6 +154,18 @@ def test_a_long_run_from_rest_ends_on_the_settled_motion() -> None:
     assert abs(float(ended["last_turn_fluctuation"].item()) - found) < 0.1 * abs(rigid - found)
 
 
+def test_the_settled_motion_of_damped_links_on_a_flywheel_is_found() -> None:
+    """The moment of the links at the clamp turns the shaft, and is balanced over a turn."""
+    sections = {k: s.with_damping_time(1e-4) for k, s in FOUR_BAR.sections.items()}
+    damped = replace(FOUR_BAR, sections=sections, shaft_inertia=0.2)
+    steady = TorqueMotor((0.0, 20.0), (20.0, 0.0))
+    asked = {"samples": 24, "step": 2e-3, "revolutions": 1.0, "start": "periodic"}
+    data = run(steady, mechanism=damped, kinds=(ReferenceEngine,), **asked)
+    found = float(data.attrs["elastic_settled_fluctuation"])
+    assert found / float(data.attrs["settled_fluctuation"]) == pytest.approx(1.018, abs=5e-3)
+    assert float(data["last_turn_fluctuation"].item()) == pytest.approx(found, rel=1e-3)
+
+
 def test_motors_that_cannot_run_are_refused() -> None:
     weak = MotorDrive(TorqueMotor((0.0,), (1e-3,)), time=0.1)
     with pytest.raises(InputError, match="does not start: at 0 deg"):

@@ -77,6 +77,19 @@ def test_the_tip_of_a_free_arm_is_where_its_arc_ends(kind: Any, element: str) ->
     assert errors[0] / errors[1] > 3.5
 
 
+def test_joints_of_bowed_links_carry_the_same_in_runs_of_both_engines() -> None:
+    """In a linear run about the equilibrium: what the joints pass on is in its internal forces."""
+    request = ResponseRequest(ConstantSpeed(5.0), 0.2, samples=20, step=1e-3, modes=2)
+    forces, torques = [], []
+    for kind in (ReferenceEngine, ExudynEngine):
+        data = response(kind(four_bar(0.3), 2), replace(request, start="equilibrium")).dataset
+        assert float(data["energy_error"].item()) < 5e-5
+        forces.append(data["joint_force"].values[0])
+        torques.append(data["driving_torque"].values[0])
+    np.testing.assert_allclose(forces[0], forces[1], atol=0.02 * np.abs(forces[1]).max())
+    np.testing.assert_allclose(torques[0], torques[1], atol=0.01 * np.abs(torques[1]).max())
+
+
 @pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
 def test_free_strain_is_a_swollen_length(kind: Any) -> None:
     """By the dry length: a swollen link is thinner by what it is longer, and as much stiffer."""

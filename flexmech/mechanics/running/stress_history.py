@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import Drive
+from flexmech.linkages import Drive, RigidMotion
 from flexmech.mechanics import (
     Engine,
     LinkModel,
@@ -253,15 +253,7 @@ class StressHistory:
                 stresses.append(self._equilibrium_correction(stressed, self._equilibrium_of))
                 continue
             if (displacement := stressed.displacement) is not None:
-                # Internal forces balance the loads on arms that are displaced and turned, and the
-                # equations have those on straight links: what balances these is without residual.
-                force = self._engine.equilibrium_forces(motion, displacement)
-                if (shaft := self._engine.free_shaft) is not None:
-                    # Nothing else balances the moment of the links at the clamp: the shaft is free.
-                    row = shaft.rotation(self._engine.links[shaft.link])
-                    elastic = self._engine.running_links(motion, displacement).internal_force
-                    assert elastic is not None
-                    force[shaft.link][:, row] = elastic[shaft.link][:, row]
+                force = self._balanced_forces(motion, displacement, stressed.internal_force)
                 stressed = replace(stressed, internal_force=force)
                 forces.append(np.concatenate(force, axis=1))
                 places.append(np.concatenate(displacement, axis=1))
@@ -270,6 +262,32 @@ class StressHistory:
         if forces:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
         return values
+
+    def _balanced_forces(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        inner: Sequence[FloatArray] | None,
+    ) -> list[FloatArray]:
+        """Internal forces at the equilibrium that balance its loads on straight links.
+
+        The engine's balance the loads on arms that are displaced and turned, and the equations of
+        a run have those on straight links. The difference, of second order in the displacement, is
+        added where it is least, so that the equilibrium has no residual. The rotation of a free
+        shaft has one: its torque is that which the motion takes.
+        """
+        engine, frames = self._engine, self._engine.clamped_frames
+        if inner is None:
+            inner = engine.running_links(motion, displacement).internal_force
+            assert inner is not None
+        loads = engine.equilibrium_forces(motion, displacement)
+        missing = [load - force for load, force in zip(loads, inner, strict=True)]
+        eye = np.eye(frames.size)
+        moved = frames.link_coordinates(motion, np.broadcast_to(eye, (len(loads[0]), *eye.shape)))
+        normal = np.sum([np.swapaxes(rows, 1, 2) @ rows for rows in moved], axis=0)
+        least = np.linalg.solve(normal, frames.gather(motion, missing)[..., None])
+        pairs = zip(inner, moved, strict=True)
+        return [force + (rows @ least)[..., 0] for force, rows in pairs]
 
     def _equilibrium_correction(
         self, stressed: StressedLinks, bases: Sequence[FloatArray]
