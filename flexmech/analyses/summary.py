@@ -448,27 +448,34 @@ def trust_line(
     Examples
     --------
     >>> trust_line(["reference", "exudyn"], 2e-5, EngineDifference(1.9e-4, 2e-4))
-    'numbers are known to 0.019 %; both engines agree'
+    'numbers are known to 0.019 %; both engines agree within 0.019 %'
     >>> trust_line(["reference", "exudyn"], 2e-5, EngineDifference(0.02, 3e-5))
     'reference and exudyn differ by 2 %, more than their errors of 0.003 % explain'
     >>> trust_line(["reference"], 2e-5)
     'numbers are known to 0.002 %; the reference engine alone ran'
     """
     apart = math.nan if difference is None else difference.apart
-    greatest = max(error, apart) if math.isfinite(apart) else error
+    # A difference of one quantity, such as a torque over time, is no error of the others.
+    counts = difference is not None and not difference.of and math.isfinite(apart)
+    greatest = max(error, apart) if counts else error
     known = f"numbers are known to {percent(greatest)}"
     if difference is not None and not difference.agree:
         said = f"{' and '.join(engines)} differ{_by(difference)}"
         return said if difference.worth_a_warning else f"{known}; {said}"
     if not math.isfinite(greatest):
         known = "errors of the numbers are not estimated"
-    ran = "both engines agree" if len(engines) > 1 else f"the {engines[0]} engine alone ran"
-    return f"{known}; {ran}"
+    if len(engines) == 1:
+        return f"{known}; the {engines[0]} engine alone ran"
+    within = "" if difference is None else f" within {percent(apart)}{_where(difference)}"
+    return f"{known}; both engines agree{within}"
 
 
 def _by(difference: EngineDifference) -> str:
     if not math.isfinite(difference.apart):
         return " by more than their errors explain"
     apart, allowed = percent(difference.apart), percent(difference.allowed)
-    where = f" in the {difference.of}" if difference.of else ""
-    return f" by {apart}{where}, more than their errors of {allowed} explain"
+    return f" by {apart}{_where(difference)}, more than their errors of {allowed} explain"
+
+
+def _where(difference: EngineDifference) -> str:
+    return f" in the {difference.of}" if difference.of else ""

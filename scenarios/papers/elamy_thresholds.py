@@ -211,7 +211,7 @@ if tuple(CASES) == MAPPED:
             f"another case is {word} at a damping ratio, or may be by the errors",
         )
     deviation = {
-        case: np.degrees(np.abs(published_case(case).transmission_angle_limits() - np.pi / 2).max())
+        case: np.abs(np.degrees(published_case(case).transmission_angle_limits()) - 90.0).max()
         for case in CASES
     }
     roughest = sorted(CASES, key=lambda case: -deviation[case])

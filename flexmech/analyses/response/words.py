@@ -293,9 +293,7 @@ def trust(dataset: xr.Dataset, agreement: xr.DataArray | None, forces: xr.Datase
     names = [str(name) for name in dataset["engine"].values]
     known = [one.error / one.value for one in numbers(dataset) if one.value]
     error = max((each for each in known if math.isfinite(each)), default=math.nan)
-    found = engine_difference(dataset, agreement, forces)
-    # Differences of the peaks that errors explain are among their errors.
-    return trust_line(names, error, None if found is None or found.agree else found)
+    return trust_line(names, error, engine_difference(dataset, agreement, forces))
 
 
 def engine_difference(
