@@ -27,7 +27,7 @@ MapPrestress = Literal["none", "axial", "equilibrium", "trajectory"]
 """With the states of the simulated, steady motion besides."""
 MAP_PRESTRESS_LEVELS: tuple[MapPrestress, ...] = get_args(MapPrestress)
 StabilityPrestress = Literal["axial", "equilibrium", "trajectory"]
-"""Of the motion whose stability is asked for; the last is the periodic orbit itself."""
+"""Motions whose stability can be computed; the last is the periodic orbit itself."""
 RotationTerm = Literal["coriolis", "centripetal", "tangential"]
 """An inertial term of the turning link frames, in the order in which a split adds them."""
 ROTATION_TERMS: tuple[RotationTerm, ...] = get_args(RotationTerm)
@@ -35,7 +35,7 @@ MovingFrame = Literal["link", "inertial"]
 """Axes in which displacements of running links are written."""
 MOVING_FRAMES: tuple[MovingFrame, ...] = get_args(MovingFrame)
 LinkDirection = Literal["transverse", "axial"]
-"""Of a force on a point of a link, or of its displacement: across the link's frame or along it."""
+"""Directions of a force on a point of a link, or of its displacement, in the link's frame."""
 LINK_DIRECTIONS: tuple[LinkDirection, ...] = get_args(LinkDirection)
 
 ShaftChoice = Literal["prescribed", "free"]

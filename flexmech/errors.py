@@ -14,7 +14,7 @@ CRANK_SPEED = "{crank_speed}"
 """Where a message names the crank speed of its error, in the unit that the user prefers."""
 
 _MOST_CHARACTERS = 4000
-"""Of a message: a screen full; what a file or an option holds may be longer than anybody reads."""
+"""Most characters of a message: a screen full."""
 _MOST_TYPED = 100
 """Characters of a wrong word that are compared, for speed alone: no name is longer."""
 _MOST_NEAR = 5

@@ -230,7 +230,7 @@ class Result(ABC):
     files: ClassVar[tuple[str, ...]] = ()
     """Patterns of files that such a result may write besides those of its schema."""
     significant_digits: ClassVar[int] = 10
-    """Of the numbers in CSV files."""
+    """Format of the numbers in CSV files."""
     digits: ClassVar[Mapping[str, int]] = {}
     """Significant digits of columns that have others, in all tables or in one, as in
     ``"topology.x_m"``."""

@@ -104,10 +104,12 @@ strength = question("strength", "Strength", StrengthOptions, engine="reference")
 
 
 def asked_sizes(
-    crank: Annotated[str | None, Option(help="Of a slider-crank: crank length.")] = None,
-    rod: Annotated[str | None, Option(help="Of a slider-crank: rod length.")] = None,
-    offset: Annotated[str | None, Option(help="Of its line from the shaft's axis.")] = None,
-    mass: Annotated[str | None, Option(help="Of its slider, such as 0.15 kg.")] = None,
+    crank: Annotated[str | None, Option(help="Crank length of a slider-crank.")] = None,
+    rod: Annotated[str | None, Option(help="Rod length of a slider-crank.")] = None,
+    offset: Annotated[
+        str | None, Option(help="Offset of the slider's line from the shaft's axis.")
+    ] = None,
+    mass: Annotated[str | None, Option(help="Mass of the slider, such as 0.15 kg.")] = None,
     speed: Annotated[str | None, Option(help="Its crank speed, such as 1500 rpm.")] = None,
 ) -> dict[str, str | None]:
     """Sizes of a slider-crank; those left out are asked for on a terminal."""

@@ -25,7 +25,7 @@ class Stopped(KeyboardInterrupt):
 
     @property
     def exit_code(self) -> int:
-        """As shells have it: 130 after Ctrl-C, 143 after SIGTERM."""
+        """Exit code of shells: 130 after Ctrl-C, 143 after SIGTERM."""
         return 128 + self.number
 
 

@@ -112,7 +112,7 @@ class IdentifiedModes:
         return self._standard_error(along * size[:, None])
 
     def _standard_error(self, slope: FloatArray) -> FloatArray:
-        """Of numbers that change by slopes (k, 2) with the real and imaginary part of a pole."""
+        """Standard deviations from slopes (k, 2) by the real and imaginary part of a pole."""
         variance = np.einsum("ki,kij,kj->k", slope, self.pole_covariance, slope)
         return np.asarray(np.sqrt(variance), dtype=float)
 

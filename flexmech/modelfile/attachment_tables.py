@@ -30,26 +30,28 @@ class JointTable(base.RecordTable, of=(JointSpring, JointPin), required=()):
     """A joint: O2, A, B and O4 of a four-bar; O2 of a rotating arm; a point of a drawing."""
 
     kind: Literal["pin", "clamp", "weld", "slider"] | None = base.optional(
-        "Of kind planar: pin if left out; clamp is the drive, or several hold a still "
+        "Planar linkages: pin if left out; clamp is the drive, or several hold a still "
         "frame; weld keeps the angle between links; slider keeps the point on a line"
     )
     links: list[base.Text] = Field(
         default_factory=list,
-        description="Of a weld or clamp where only some of the links that meet there are fixed",
+        description="Links that a weld or clamp fixes, where it does not fix all that meet there",
     )
     direction: si.AngleOfTurn | None = base.optional(
-        "Of a slider: of its line, to the ground's x axis or to that of the guide"
+        "Angle of a slider's line to the ground's x axis, or to that of the guide"
     )
     offset: si.Distance | None = base.optional(
-        "Of a slider that is not drawn: distance of its line from the shaft's axis, or from the "
+        "Slider that is not drawn: distance of its line from the shaft's axis, or from the "
         "first point of its guide, to the left of its direction; 0 if left out"
     )
     guide: base.Text | None = base.optional(
-        "Of a slider: rigid link that carries its line; the ground if left out"
+        "Rigid link that carries a slider's line; the ground if left out"
     )
     mass: si.Mass = base.optional("Point mass at the joint; of a slider", 0.0, "0 kg")
     inertia: si.Inertia = base.optional(
-        "Of a slider, about its centre of mass: it turns with its guide", 0.0, "0 kg m^2"
+        "Moment of inertia of a slider about its centre of mass: it rotates with its guide",
+        0.0,
+        "0 kg m^2",
     )
     eye_thickness: OneOrByLink | None = base.optional(
         "With diameter: length of the hole along the pin; that of the link's section if left out; "
@@ -126,7 +128,7 @@ class LoadTable(base.Table):
         "Whether the force turns with the link", "ground"
     )
     over: Literal["crank_angle", "time"] | None = base.optional(
-        "What a table or file is over; a constant load if left out"
+        "Variable of the load's table or file; a constant load if left out"
     )
     table: list[list[str | float]] | None = base.optional(
         "Rows of crank angle or time, force along x and y and, if there is one, "

@@ -36,7 +36,7 @@ class MaterialTable(
     """An isotropic material."""
 
     fatigue: FatigueTable | None = base.optional(
-        "What it bears again and again; results of strength then count cycles of stress"
+        "Endurance under repeated stress; strength then counts cycles of stress"
     )
 
     @property

@@ -183,7 +183,7 @@ class DriveTable(base.Table):
         "With master_angle, in place of dwell: angle of the master shaft during the rest"
     )
     master_speed: si.SpeedOneWay | None = base.optional(
-        "Of a master shaft, whose angles stand in place of times in law and table"
+        "Speed of a master shaft, whose angles replace times in law and table"
     )
     forth_and_back: base.Flag = base.optional(
         "With law: whether every second move goes back; else moves go on, one from the other", False

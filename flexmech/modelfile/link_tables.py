@@ -17,7 +17,7 @@ from flexmech.sections import BeamSection, DampingTimes, LayerDirection, Specifi
 
 Beam = Annotated[int, Field(ge=1, strict=True)]
 OF_BEAM = (
-    "Of a chain of beams: number of the one from whose start the position counts, 1 is the first; "
+    "Chain of beams: number of the beam from whose start the position counts, 1 is the first; "
     "from the chain's first joint along all of them if left out"
 )
 SECTIONLESS = "none"
@@ -45,16 +45,18 @@ class AnyLinkTable(base.DampedTable, WettedTable):
     """What all links have in common."""
 
     points: list[base.Text] | None = base.optional(
-        "Of kind planar: points at its two ends, or a chain of more that beams join"
+        "Planar linkages: points at its two ends, or a chain of more that beams join"
     )
     length: si.Length | None = base.optional(
-        "Of kind planar: between its two points; places one that is not drawn"
+        "Planar linkages: length between its two points; places one that is not drawn"
     )
     angle: si.AngleOfTurn | None = base.optional(
-        "Of kind planar, with length: from its first point to its second, to the ground's x axis, "
-        "at drawn_at; of the crank drawn_at if left out"
+        "Planar linkages, with length: angle from its first point to its second, to the "
+        "ground's x axis, at drawn_at; drawn_at itself for the crank if left out"
     )
-    rigid: base.Flag = base.optional("Of kind planar: whether it has mass but does not bend", False)
+    rigid: base.Flag = base.optional(
+        "Planar linkages: whether it has mass but does not bend", False
+    )
     point_masses: list[PointMassTable] = Field(default_factory=list)
     bodies: list[BodyTable] = Field(
         default_factory=list, description="Rigid bodies that are fixed to it"
@@ -129,7 +131,7 @@ class LaminateLinkTable(AnyLinkTable):
         "'narrow': free to contract along the joint axes; 'wide': held from it", "narrow"
     )
     twist: Literal["free", "held"] | None = base.optional(
-        "Of off-axis plies that twist as they bend: 'held' by joints at both ends; "
+        "Twist of off-axis plies that twist as they bend: 'held' by joints at both ends; "
         "'free'. Left out: as the link's joints have it"
     )
 
@@ -205,7 +207,7 @@ class RigidLinkTable(AnyLinkTable):
     """A rigid link without a section: its mass is stated, or that of its bodies."""
 
     section: Literal["none"] = base.optional("Left out", "none")
-    mass: si.Mass = base.optional("Of the link; 0 if left out", 0.0, "0 kg")
+    mass: si.Mass = base.optional("Mass of the link; 0 if left out", 0.0, "0 kg")
     inertia: si.Inertia = base.optional("About its centre of mass", 0.0, "0 kg m^2")
     centre: si.LengthOrZero | None = base.optional(
         "Distance of its centre of mass from its first joint; its middle if left out"

@@ -20,7 +20,9 @@ class MountedTable(base.Table):
     """What a linkage is mounted to."""
 
     ground_thermal_expansion: si.Expansion = base.optional(
-        "Of the frame between the ground pivots, or of the hub; 0 if left out", 0.0, "0 1/K"
+        "Thermal expansion of the frame between the ground pivots, or of the hub; 0 if left out",
+        0.0,
+        "0 1/K",
     )
 
 

@@ -27,7 +27,7 @@ from flexmech.validation import NOT_NEGATIVE
 
 
 class HygrothermalTable(base.RecordTable, of=Hygrothermal):
-    """What heat and water do to a resin; what is left out, they do not do."""
+    """Hygrothermal properties of a resin; omitted ones have no effect."""
 
     equilibrium_moisture: si.MoistureContent | None = base.optional(
         "Mass of water over the resin's dry mass in the end at 100 % humidity"
@@ -36,13 +36,13 @@ class HygrothermalTable(base.RecordTable, of=Hygrothermal):
         "Moisture goes with relative humidity to this power; 1 if left out"
     )
     diffusivity: si.DiffusivityValue | None = base.optional(
-        "Of water in the resin at diffusivity_temperature"
+        "Diffusivity of water in the resin at diffusivity_temperature"
     )
     diffusivity_temperature: si.Temperature | None = base.optional(
         "At which diffusivity holds; 20 degC if left out"
     )
     activation_energy: si.ActivationEnergy | None = base.optional(
-        "Of diffusion, by Arrhenius' law; 0 if left out"
+        "Activation energy of diffusion, by Arrhenius' law; 0 if left out"
     )
 
     @model_validator(mode="after")
@@ -103,7 +103,8 @@ class ConstituentTable(base.RecordTable):
     name: str | None = base.optional("That of its table if left out")
     source: str = base.optional("Publication or measurement of the numbers", "")
     uncertainty: dict[str, str | float] = Field(
-        default_factory=dict, description="Of properties by their keys, in units of theirs"
+        default_factory=dict,
+        description="Standard deviations of properties by their keys, in the units of these",
     )
 
     @field_validator("uncertainty")
@@ -147,7 +148,7 @@ class CompositionTable(base.Table):
     matrix: base.Text = Field(description="Published resin, or a table under [matrices]")
     fibre_volume_fraction: si.Ratio = Field(description="Volume of fibres over that of the ply")
     rule: Literal["chamis", "halpin-tsai", "rule-of-mixtures"] = base.optional(
-        "How moduli across the fibres follow from the constituents", "chamis"
+        "Rule of mixture for the moduli across the fibres", "chamis"
     )
     weave: Weave = base.optional(
         "'woven': balanced fabric, as crimp-free crossed layers", "unidirectional"
@@ -209,7 +210,7 @@ class AnyPlyTable(base.Table):
     """What all plies have in common."""
 
     name: str | None = base.optional("That of its table if left out")
-    thickness: si.Thickness | None = base.optional("Of one layer of this ply")
+    thickness: si.Thickness | None = base.optional("Thickness of one layer of this ply")
 
 
 class FibrousPlyTable(AnyPlyTable):
@@ -313,10 +314,10 @@ class LaminateTable(base.Table):
         "(angle in degrees; s mirrors the stack) or '[C@90*2/G]' (twice)"
     )
     angles: list[si.AngleOfTurn] | None = base.optional(
-        "Of the fibres against the link's axis, instead of '@'"
+        "Angle of the fibres to the link's axis, instead of '@'"
     )
     ply_thickness: OneOrEach | None = base.optional(
-        "Of every layer, or one for each; else that of the ply's table"
+        "Thickness of every layer, or one value for each layer; the ply's own if left out"
     )
     stress_free_temperature: si.Temperature | None = base.optional(
         "At which its dry plies do not strain each other, about that of its cure; without it "

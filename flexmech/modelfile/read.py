@@ -32,7 +32,7 @@ from flexmech.units import TEMPERATURE, Dimension, parse_quantity
 from flexmech.validation import check_instance
 
 MOST_BYTES = 10_000_000
-"""Of a model file or a study: a hundred times the longest tables that are written in one."""
+"""Greatest size of a model file or a study: a hundred times that of the longest ones."""
 
 
 def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:

@@ -28,7 +28,7 @@ BANDS_HEIGHT, NARROW_BANDS_HEIGHT = 3.9, 3.0
 # Height in inches that a page shows as one pane of a picture.
 PANE_HEIGHT = 1.7
 ROOM = 1.06
-"""Of the frequency axis over the highest band, whose edge is seen below the end of the axis."""
+"""Upper end of the frequency axis over the highest band, so that its edge is visible."""
 # Bands let rays and each other through; rays stand back, and what is critical stands out.
 BAND: Look = {"alpha": 0.28, "lw": 0}
 RAY: Look = {"color": "0.72", "lw": 0.6, "zorder": 1}

@@ -262,7 +262,7 @@ class _Making:
         ]
 
     def kinematics(self) -> list[analyses.Result]:
-        """Of the rigid linkage at each speed at which it turns, and under the model's motor.
+        """Motion of the rigid linkage at every operating speed, and under the model's motor.
 
         At rest if it turns at none.
         """

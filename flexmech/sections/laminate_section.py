@@ -53,7 +53,7 @@ from flexmech.units import LENGTH
 from flexmech.validation import POSITIVE, check_choice, check_instance, check_number
 
 SURFACES = ("lower", "upper")
-"""Of each layer, at its lower and its higher y; of plies across the width their two edges."""
+"""Surfaces of a layer, at its lower and its higher y; edges of plies across the width."""
 
 
 class LayeredSection(ABC):
@@ -61,7 +61,7 @@ class LayeredSection(ABC):
 
     laminate: Laminate
     direction: ClassVar[LayerDirection]
-    """Of the stack."""
+    """Total thickness of the stack."""
 
     @property
     @abstractmethod

@@ -29,7 +29,9 @@ from flexmech.units import ANGULAR_SPEED, Dimension, parse_quantity, split_quant
 Value = str | float
 Pair = tuple[Value, Value]
 _DISTRIBUTIONS: tuple[Distribution, ...] = ("range", "values", "uniform", "normal", "lognormal")
-_PERCENTILE = "Of `optimize`: which of the output over what is uncertain; its mean if left out"
+_PERCENTILE = (
+    "`optimize`: percentile of the output over the uncertain properties; the mean if left out"
+)
 
 
 class VaryTable(base.Table):
@@ -39,7 +41,7 @@ class VaryTable(base.Table):
         "Keys of the model that all get the value; the table's own name if left out"
     )
     range: Pair | None = base.optional("Least and greatest value")
-    steps: int = Field(default=5, ge=2, description="Of a range: values in every combination")
+    steps: int = Field(default=5, ge=2, description="Number of values of a range")
     values: list[Value] | None = base.optional("Every value, quantities or texts")
     uniform: Pair | None = base.optional("Least and greatest value, all equally likely")
     normal: Pair | None = base.optional("Mean and standard deviation")
@@ -49,13 +51,13 @@ class VaryTable(base.Table):
 class OutputTable(base.Table):
     """A number that is computed of every design."""
 
-    quantity: Quantity = Field(description="What is computed")
+    quantity: Quantity = Field(description="Quantity to compute")
     speed: si.WrittenSpeed | None = base.optional("Crank speed")
-    mode: int = Field(default=1, ge=1, description="Of frequencies and damping")
+    mode: int = Field(default=1, ge=1, description="Mode of frequencies and damping")
     orders: list[int] | None = base.optional("Multiples of the crank speed to keep away from")
-    link: base.Text | None = base.optional("Of deflection, strain and stress")
-    joint: base.Text | None = base.optional("Of joint forces")
-    prestress: Prestress = Field(default="equilibrium", description="Of frequencies")
+    link: base.Text | None = base.optional("Link of deflection, strain and stress")
+    joint: base.Text | None = base.optional("Joint of joint forces")
+    prestress: Prestress = Field(default="equilibrium", description="Prestress of frequencies")
     angles: int = Field(default=36, ge=4, description="Crank angles over a turn")
     points: list[tuple[si.Distance, si.Distance]] | None = base.optional(
         "That the coupler point should pass"
@@ -83,19 +85,21 @@ class CorrelationTable(base.Table):
     """Correlation of two variables with distributions."""
 
     variables: tuple[base.Text, base.Text] = Field(description="Names of two variables")
-    coefficient: float = Field(gt=-1, lt=1, description="Of the normal variables behind them")
+    coefficient: float = Field(
+        gt=-1, lt=1, description="Correlation of the underlying normal variables"
+    )
 
 
 class StudyFile(base.Table):
     """A study of designs."""
 
     model: base.Text = Field(description="Model file, beside the study or by its path")
-    seed: int = Field(default=1, ge=0, description="Of samples")
+    seed: int = Field(default=1, ge=0, description="Seed of the samples")
     engine: EngineName = "reference"
     percentile_samples: int = Field(
         default=64,
         ge=8,
-        description="Of `optimize`: runs of every design where properties have distributions",
+        description="`optimize`: runs of every design where properties have distributions",
     )
     vary: dict[str, VaryTable]
     outputs: dict[str, OutputTable]
@@ -103,7 +107,7 @@ class StudyFile(base.Table):
     goals: list[GoalTable] = Field(default_factory=list)
     correlations: list[CorrelationTable] = Field(default_factory=list)
     failure_values: dict[str, Value] = Field(
-        default_factory=dict, description="What outputs of a design that fails count as"
+        default_factory=dict, description="Values that stand for the outputs of a design that fails"
     )
 
 

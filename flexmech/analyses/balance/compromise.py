@@ -92,7 +92,7 @@ class Counterweight:
 
     @property
     def body(self) -> AttachedBody:
-        """As a part of a mechanism."""
+        """Counterweight as a body attached to a link."""
         x, y = self.place
         offset = (x - self._section, y)
         return AttachedBody(self.link.name, self._section, self.mass, offset=offset)

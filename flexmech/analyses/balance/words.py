@@ -54,11 +54,10 @@ class _Change(NamedTuple):
     def words(self) -> str:
         """From one to the other."""
         before, after = self.text(self.before), self.text(self.after)
-        return (
-            f"stays {after} {self.unit}"
-            if before == after
-            else f"goes from {before} to {after} {self.unit}"
-        )
+        if before == after:
+            return f"stays {after} {self.unit}"
+        moves = "rises" if self.after > self.before else "falls"
+        return f"{moves} from {before} to {after} {self.unit}"
 
 
 def summary_of(data: xr.Dataset) -> Summary:
@@ -94,7 +93,7 @@ def summary_of(data: xr.Dataset) -> Summary:
 def _answer(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[str, ...]:
     heavy = [number for number in range(data.sizes["counterweight"]) if _mass(data, number)]
     aim = str(data.attrs["aim"])
-    said = ["No counterweight is needed: none would lessen what is asked for."]
+    said = ["No counterweight is needed: none would lessen the quantities weighed."]
     if heavy:
         each = "; ".join(_counterweight_text(data, number) for number in heavy)
         said = [f"{aim[:1].upper()}{aim[1:]}: {each}."]
@@ -107,13 +106,13 @@ def _answer(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[str, ...]:
     greatest = (max(values) for values in zip(*(one[-2:] for one in joints), strict=True))
     worst = _Change("joint_force", "", "N", *greatest)
     costs = [
-        f"{plain(changes['moving_mass'].after - changes['moving_mass'].before)} g more move",
-        f"the driving torque {changes['driving_torque'].words()}",
+        f"the peak driving torque {changes['driving_torque'].words()}",
         f"the greatest joint force {worst.words()}",
     ]
     if (first := changes.get("first_frequency")) is not None:
         costs.append(f"the first natural frequency {first.words()}")
-    said.append(f"For it {', '.join(costs)}.")
+    added = plain(changes["moving_mass"].after - changes["moving_mass"].before)
+    said.append(f"Cost: {added} g more moving mass; {', '.join(costs)}.")
     return tuple(said)
 
 
@@ -187,9 +186,8 @@ def _trust(data: xr.Dataset) -> str:
     first = float((data["first_frequency_error"] / data["first_frequency"]).max())
     known = max(_error(data, elastic), first)
     return (
-        f"{rigid}, those of elastic links to {percent(known)}: periodic motion of linear equations "
-        "by the reference engine, which shakes more where a multiple of the speed meets a natural "
-        "frequency"
+        f"{rigid}, those of elastic links to {percent(known)} (periodic motion of the linear "
+        "equations, reference engine)"
     )
 
 

@@ -82,7 +82,7 @@ class ReceptanceProblem(RecordProblem):
 
     @property
     def damping_ratios(self) -> tuple[float, ...]:
-        """Of both signs: no search crosses zero, where the computed resonances are infinite."""
+        """Scale factors of both signs: no search crosses zero, an infinite resonance."""
         return (*RATIOS, *(-ratio for ratio in RATIOS))
 
     def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:

@@ -200,7 +200,7 @@ def ratio_lines(dataset: xr.Dataset) -> list[str]:
     if by_frames and not flutters(dataset):
         lines.append(
             "damping ratio: turning link frames may make it negative in a frozen position; "
-            "that is no instability, whether vibrations grow is told by `flexmech stability`"
+            "that is no instability: `flexmech stability` finds the vibrations that grow"
         )
     return lines
 

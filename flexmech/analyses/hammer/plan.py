@@ -337,7 +337,7 @@ def _slowest(locked: LockedLinkage, bandwidth: float) -> float:
 
 
 def _samples(request: HammerRequest, bandwidth: float, needed: float) -> int:
-    """Of a record in which a vibration decays, as many as analysers take; or of one given."""
+    """Samples of a record in which a vibration decays, as analysers take them; or those given."""
     if request.duration is None:
         doubled = max(0, int(np.ceil(np.log2(needed * bandwidth / _FEWEST_LINES))))
         wanted: int = _FEWEST_LINES * 2**doubled

@@ -190,7 +190,7 @@ class StandingModes:
 
     @property
     def angular_frequency(self) -> FloatArray:
-        """Of each damped mode in rad/s, (m,); zero of one that does not vibrate."""
+        """Damped frequency of each mode in rad/s, (m,); zero for one that does not vibrate."""
         left = np.maximum(1 - self.damping_ratio**2, 0.0)
         return np.asarray(2 * np.pi * self.frequency * np.sqrt(left))
 

@@ -268,7 +268,7 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
     decays = dataset.attrs.get("damped", True) or "drive" in dataset.attrs
     if not decays and dataset.attrs.get("start") != "periodic":
         lines.append(
-            "No link is damped, so that the vibration of the start does not decay: state damping, "
+            "Without damping the starting vibration never decays: add damping, "
             "or ask for --start periodic."
         )
     return tuple(lines)

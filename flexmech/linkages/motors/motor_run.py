@@ -120,7 +120,7 @@ class ShaftEquation:
         return bool(self.train.way * (given - float(self.load.needed(angle, 0.0, 0.0))) > 0)
 
     def inertia(self, angle: ArrayLike) -> FloatArray:
-        """Of all that turns rigidly with the crank in kg m^2 at crank angles in rad; (...)."""
+        """Inertia that rotates with the crank, in kg m^2, at crank angles in rad; (...)."""
         return self.load.inertia(angle) + self._rigid_inertia
 
     def check_inertia(self) -> None:
