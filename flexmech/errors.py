@@ -93,6 +93,31 @@ class ComputationError(FlexmechError, RuntimeError):
     """What was asked for is well posed, but the computation failed."""
 
 
+def missing_extra(use: str, package: str, extra: str, otherwise: str = "") -> InputError:
+    """Error of an optional package that is not installed, with the command that installs it.
+
+    Parameters
+    ----------
+    use, package, extra : str
+        What needs which package, and the extra of flexmech that brings it.
+    otherwise : str
+        What to do without it.
+
+    Returns
+    -------
+    InputError
+
+    Examples
+    --------
+    >>> print(missing_extra("a report", "plotly", "report"))
+    a report needs plotly: in the clone of flexmech run pip install -e ".[report]"
+    """
+    remedy = f", or {otherwise}" if otherwise else ""
+    return InputError(
+        f'{use} needs {package}: in the clone of flexmech run pip install -e ".[{extra}]"{remedy}'
+    )
+
+
 @contextmanager
 def naming(option: str) -> Iterator[None]:
     """Put the name of an option in front of the message where its value is refused."""

@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.errors import InputError, one_line
+from flexmech.errors import InputError, missing_extra, one_line
 from flexmech.files import given_path, moved_into
 from flexmech.measured_data.record import GREATEST, MeasuredQuantity, MeasuredRecord
 from flexmech.measured_data.uff_datasets import contents_of, datasets_of
@@ -28,7 +28,6 @@ from flexmech.measured_data.uff_units import UffFile, UffFunction
 
 # Most bytes of a universal file: some hundred functions of ten thousand lines, as text.
 MOST_BYTES = 200_000_000
-EXTRA = 'a universal file needs pyuff, which is not installed: pip install "flexmech[modal-test]"'
 
 
 def check_uff() -> None:
@@ -40,7 +39,7 @@ def check_uff() -> None:
         It says what to install.
     """
     if find_spec("pyuff") is None:
-        raise InputError(EXTRA)
+        raise missing_extra("a universal file", "pyuff", "modal-test")
 
 
 def write_uff(path: str | PathLike[str], contents: UffFile) -> Path:

@@ -17,12 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
-from flexmech.errors import ComputationError, InputError
-
-EXTRA = (
-    'identification by LSCF needs sdypy-EMA, which is not installed: pip install "flexmech'
-    '[modal-test]", or choose method="circle-fit"'
-)
+from flexmech.errors import ComputationError, InputError, missing_extra
 
 # Relative: by so much at most a stable pole's frequency differs from the order before. Half of what
 # stabilisation charts usually have, since modes of linkages may be a per cent apart.
@@ -49,7 +44,8 @@ def check_lscf() -> None:
         It says what to install.
     """
     if not has_lscf():
-        raise InputError(EXTRA)
+        otherwise = 'choose method="circle-fit"'
+        raise missing_extra("identification by LSCF", "sdypy-EMA", "modal-test", otherwise)
 
 
 def lscf_poles(

@@ -77,8 +77,8 @@ class OperationTable(base.Table):
 class ModelFile(base.Table):
     """A model file of flexmech."""
 
-    name: Name = Field(description="Short name, used in titles")
-    source: str = Field(description="Publication, drawing or measurement of the numbers")
+    name: Name | None = base.optional("Short name, used in titles; that of the file if left out")
+    source: str = base.optional("Publication, drawing or measurement of the numbers", "")
     notes: str = base.optional("Anything a reader should know", "")
     linkage: LinkageTable
     materials: dict[str, MaterialTable] = Field(default_factory=dict)

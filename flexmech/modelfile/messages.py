@@ -253,8 +253,6 @@ def _missing(name: str, place: Collection[int | str]) -> str:
 def _examples(place: Collection[int | str]) -> dict[str, str]:
     """Collect an example for each key of the format, by its name, as at a place of the file."""
     examples = {
-        "name": '"my mechanism"',
-        "source": '"drawing 12-345"',
         "kind": '"four-bar", "rotating-arm" or "planar"',
         "section": '"rectangle", "laminate" or "general"',
         "material": '"steel"',

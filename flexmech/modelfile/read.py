@@ -164,7 +164,8 @@ def _mechanism(text: str, shown: str, file: str, sha256: str, folder: Path = Pat
         tables = ModelFile.model_validate(data)
     except ValidationError as error:
         raise input_error(error, data, shown) from error
-    provenance = Provenance(tables.name, tables.source, file, sha256, text)
+    name = Path(file).stem if tables.name is None else tables.name
+    provenance = Provenance(name, tables.source, file, sha256, text)
     mechanism = build_mechanism(tables, shown, provenance, folder)
     drawn_from_file = tables.drive is not None and isinstance(tables.drive.table, str)
     if drawn_from_file or any(load.file is not None for load in tables.loads.values()):

@@ -76,7 +76,7 @@ STATES: dict[str, tuple[str, style.Look]] = {
 }
 NO_CHART = (
     "this hammer test has no stabilisation chart: its modes were identified by peaks and circles; "
-    'install flexmech[modal-test] and ask for method="lscf"'
+    'install the extra modal-test and ask for method="lscf"'
 )
 
 EIGEN_SHAPE: style.Look = {"color": "0.35", "lw": 1.0}

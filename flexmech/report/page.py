@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmech.analyses import Result, Table
 from flexmech.analyses.result import file_attributes
-from flexmech.errors import InputError
+from flexmech.errors import missing_extra
 from flexmech.files import given_path, write_whole
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import KINDS, template
@@ -101,7 +101,6 @@ def _unbroken(cell: str) -> str:
     return cell.replace(" ", _FIXED).replace(f"{_FIXED}±", " ±")
 
 
-EXTRA = 'a report needs plotly and jinja2, which are not installed: pip install "flexmech[report]"'
 CHOICES = ("speed", "mode", "engine", "state")
 SCRIPTS = ("page.js", "linkage.js", "parts.js", "plots.js", "controls.js")
 SETTINGS = (
@@ -126,8 +125,9 @@ def check_extra() -> None:
     """
     from importlib.util import find_spec
 
-    if not all(find_spec(name) for name in ("plotly", "jinja2")):
-        raise InputError(EXTRA)
+    for package in ("plotly", "jinja2"):
+        if not find_spec(package):
+            raise missing_extra("a report", package, "report")
 
 
 def write_report(

@@ -24,14 +24,13 @@ import numpy as np
 
 from flexmech.analyses.datasets import versions
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress
-from flexmech.errors import InputError
+from flexmech.errors import InputError, missing_extra
 from flexmech.files import FolderLock, given_path
 from flexmech.studies.evaluation import MOST_LETTERS, STATUSES, Evaluated
 from flexmech.studies.study import Study
 from flexmech.studies.tasks import check_executor, computed_tasks, gathered
 
 NAME = "designs.zarr"
-INSTALL = "a study needs the extra packages of [study]: pip install 'flexmech[study]'"
 
 
 # Designs of a chunk: a file each of numbers, statuses, reasons and marks.
@@ -281,7 +280,7 @@ def import_zarr() -> Any:
     try:
         import zarr
     except ImportError as error:
-        raise InputError(INSTALL) from error
+        raise missing_extra("a study", "zarr", "study") from error
     return zarr
 
 
@@ -418,9 +417,7 @@ def workers(count: int = 1, cluster: str | None = None) -> Iterator[Executor | N
         try:
             import distributed
         except ImportError as error:
-            raise InputError(
-                "--cluster needs the extra packages of [cluster]: pip install 'flexmech[cluster]'"
-            ) from error
+            raise missing_extra("--cluster", "distributed", "cluster") from error
         try:
             # Not the default one: xarray would lock the files it writes here by way of the cluster.
             client: Any = distributed.Client(  # type: ignore[no-untyped-call]

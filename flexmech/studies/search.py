@@ -23,7 +23,7 @@ from scipy.spatial.distance import cdist
 
 from flexmech.analyses.datasets import versions
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.errors import InputError
+from flexmech.errors import missing_extra
 from flexmech.studies.campaign import KeptDesigns
 from flexmech.studies.evaluation import Evaluated, joined
 from flexmech.studies.result import violations
@@ -31,7 +31,6 @@ from flexmech.studies.scatter import Scatter
 from flexmech.studies.study import Study, sobol_points
 from flexmech.studies.variables import Variable
 
-INSTALL = "several goals need the extra packages of [study]: pip install 'flexmech[study]'"
 # Starts of the search for one goal: the best designs of a sample of so many for each variable.
 _STARTS, _SAMPLE = 4, 16
 # Where every design is a sample of runs, and how far, in parts of the ranges, the search goes then:
@@ -166,7 +165,7 @@ def search_content(study: Study) -> dict[str, str]:
     try:
         library = versions("pymoo") if len(study.goals) > 1 else {}
     except PackageNotFoundError as error:
-        raise InputError(INSTALL) from error
+        raise missing_extra("a search for several goals", "pymoo", "study") from error
     content = {"limits": repr(study.limits), "goals": repr(study.goals), **library}
     if study.uncertain:
         content["percentile_samples"] = str(study.percentile_samples)

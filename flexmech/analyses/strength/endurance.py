@@ -20,15 +20,11 @@ from flexmech.analyses.requests import without_end
 from flexmech.analyses.strength.joint_loads import InternalForces
 from flexmech.analyses.strength.request import StrengthRequest
 from flexmech.arrays import ROUND_OFF, FloatArray, IntArray
-from flexmech.errors import InputError
+from flexmech.errors import missing_extra
 from flexmech.materials import FatigueStrength, Material
 from flexmech.mechanism import Mechanism
 from flexmech.sections import Layers, unit_ply_stresses
 
-EXTRA = (
-    "turns to failure by an S-N line need rainflow, which is not installed: pip install "
-    '"flexmech[fatigue]", or state endurance_limit and endurance_cycles alone'
-)
 # Newton's method on a convex function of finitely many straight pieces ends when it has found the
 # last of them, after no more steps than there are pieces; a turn of round-off ends here.
 _MOST_STEPS = 100
@@ -78,7 +74,8 @@ def check_counting(fatigue: FatigueStrength) -> None:
         It says what to install.
     """
     if fatigue.sn_line is not None and find_spec("rainflow") is None:
-        raise InputError(EXTRA)
+        otherwise = "state endurance_limit and endurance_cycles alone"
+        raise missing_extra("the life by an S-N line", "rainflow", "fatigue", otherwise)
 
 
 def endurance(
