@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
@@ -46,8 +46,8 @@ from flexmech.mechanics.links.rotation_terms import RotationTerms, SystemMatrice
 from flexmech.mechanics.loads.connectors import ConnectedMatrices, Connectors
 from flexmech.mechanics.prestress import (
     BalancedLoads,
-    Solve,
-    balanced_loads,
+    balanced_links,
+    refuse_large_displacements,
     straight_forces,
     with_rigid_links,
 )
@@ -344,9 +344,40 @@ class Engine(EngineParameters):
         stressed = without_spin_softening(self.clamped_links, motion, stressed, inertia)
         return replace(stressed, motion=motion)
 
-    @abstractmethod
     def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
         """Links at equilibrium without the shaft's inertia; see :meth:`stressed_links`."""
+
+        def solve(under: BalancedLoads) -> StressedLinks:
+            dead = self._dead(motion, under.loads, under.at)
+            start = near if under.at is None else under.at
+            elastic = self._elastic_equilibrium(motion, under.loads, dead, start)
+            return self._under_dead_loads(motion, under.loads, elastic)
+
+        stressed = balanced_links(
+            self.connectors,
+            self.clamped_frames,
+            motion,
+            inertia_loads(self.clamped_links, motion, self.mechanism.gravity),
+            solve,
+            displaced_inertia=self.displaced_inertia(motion),
+            solve_connects=self.solves_connectors,
+        )
+        assert stressed.displacement is not None
+        refuse_large_displacements(self.clamped_links, motion, stressed.displacement)
+        return stressed
+
+    @abstractmethod
+    def _elastic_equilibrium(
+        self,
+        motion: RigidMotion,
+        loads: Sequence[FloatArray],
+        dead: DeadMoments,
+        near: Sequence[FloatArray] | None,
+    ) -> StressedLinks:
+        """Clamped links at equilibrium under loads (B, n_link) and dead moments.
+
+        With elastic tangents, forces and damping, as :meth:`running_links`.
+        """
 
     @property
     def axial_modes_of_bows(self) -> int:
@@ -412,20 +443,6 @@ class Engine(EngineParameters):
             moments = inertia.moments(displacement)
         return DeadMoments.of(links, motion, gravity, loads, virial, moments)
 
-    def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
-        """Loads on the clamped links in the equilibrium that ``solve`` finds."""
-        loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
-        return balanced_loads(
-            self.connectors,
-            self.clamped_frames,
-            motion,
-            loads,
-            solve,
-            lambda displacement: self.tangents_under_dead_loads(motion, displacement),
-            displaced_inertia=self.displaced_inertia(motion),
-            solve_connects=self.solves_connectors,
-        )
-
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""
         loads, frames = self._loads(motion), self.rigid_joint_frames
@@ -435,38 +452,36 @@ class Engine(EngineParameters):
         tangents = self._dead(motion, loads).add_stiffness(
             self._tensioned(motion, forces), [np.zeros_like(load.T) for load in loads]
         )
-        return with_rigid_links(frames, tangents, of_rigid, loads)
+        return with_rigid_links(frames, tangents, of_rigid)
 
     @abstractmethod
     def _tensioned(self, motion: RigidMotion, forces: LinkForces) -> dict[int, FloatArray]:
         """Tangents (B, n_link, n_link) of the flexible straight links under forces in them."""
 
-    def _displaced_links(
-        self,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        loads: Sequence[FloatArray],
-        inner: Sequence[FloatArray],
-        elastic: Mapping[int, FloatArray],
-        dead: DeadMoments,
+    def _under_dead_loads(
+        self, motion: RigidMotion, loads: Sequence[FloatArray], elastic: StressedLinks
     ) -> StressedLinks:
-        """Tangents of displaced links, with the geometric stiffness of what turns on them.
+        """Displaced links with the geometric stiffness of what turns on them.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
-        displacement, loads : sequence of ndarray, shape (B, n_link)
-            Where the links are, and forces on them, without those that the engine solves for.
-        inner : sequence of ndarray, shape (B, n_link)
-            Internal forces, from which what dead moments lose as bodies turn is taken in place.
-        elastic : mapping of int to ndarray, shape (B, n_link, n_link)
-            Tangents of the flexible links.
-        dead : DeadMoments
-            At this displacement.
+        loads : sequence of ndarray, shape (B, n_link)
+            Forces on the links, without those that the engine solves for.
+        elastic : StressedLinks
+            Elastic tangents, forces and damping. What dead moments lose as bodies turn becomes a
+            force in their links, in place.
         """
-        frames, columns, of_rigid = self.clamped_frames, [q.T for q in displacement], None
-        tangents = dead.add_stiffness(elastic, columns)
+        frames, displacement = self.clamped_frames, elastic.displacement
+        inner = elastic.internal_force
+        assert displacement is not None
+        assert inner is not None
+        columns, of_rigid = [q.T for q in displacement], None
+        dead = self._dead(motion, loads, displacement)
+        pairs = enumerate(zip(self.clamped_links, elastic.tangent, strict=True))
+        flexible = {number: tangent for number, (link, tangent) in pairs if not link.rigid}
+        tangents = dead.add_stiffness(flexible, columns)
         dead.add_forces([force.T for force in inner], columns)
         if frames.has_arms:
             beside = [load - force for load, force in zip(loads, inner, strict=True)]
@@ -481,7 +496,13 @@ class Engine(EngineParameters):
                     by_rotation[link] = by_rotation[link] + push.rotation_stiffness(motion, q)
             ties = frames.displaced_ties_by(motion, displacement)
             of_rigid = ties.geometric_stiffness(beside, by_rotation)
-        return with_rigid_links(frames, tangents, of_rigid)
+        stiffened = with_rigid_links(frames, tangents, of_rigid)
+        # A rigid link that turns meets its tangent as it is, against the forces that cause it.
+        for turned in np.flatnonzero([link.rigid for link in self.clamped_links]).tolist():
+            at = displacement[turned][..., None]
+            inner[turned][:] = (stiffened.tangent[turned] @ at)[..., 0]
+        guides = stiffened.guide_stiffness
+        return replace(elastic, tangent=stiffened.tangent, guide_stiffness=guides)
 
     def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
         """Whether the links are linearized about the straight, stress-free state."""
@@ -494,6 +515,24 @@ class Engine(EngineParameters):
             return False
         loaded = motion.crank_speed.any() or any(self.mechanism.gravity) or self.connectors.any
         return prestress == "none" or not loaded
+
+    @abstractmethod
+    def internal_forces(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """Elastic forces of displaced links, none of rigid ones.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            Elastic displacement of each link in its frame.
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+        """
 
     @abstractmethod
     def running_links(
@@ -513,24 +552,6 @@ class Engine(EngineParameters):
         Returns
         -------
         StressedLinks
-        """
-
-    @abstractmethod
-    def tangents_under_dead_loads(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> Sequence[FloatArray]:
-        """Tangent stiffness of displaced links under the inertia of the rigid motion as dead load.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link)
-            Elastic displacement of each link in its frame.
-
-        Returns
-        -------
-        sequence of ndarray, shape (n_link, n_link) or (B, n_link, n_link)
         """
 
     @abstractmethod

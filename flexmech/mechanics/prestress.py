@@ -82,22 +82,17 @@ class BalancedLoads:
     at: list[FloatArray] | None
 
 
-Solve = Callable[[BalancedLoads], list[FloatArray]]
-"""From loads to the displacements (B, n_link) of the links at equilibrium under them."""
-
-
-def balanced_loads(
+def balanced_links(
     connectors: Connectors,
     frames: LinkFrames,
     motion: RigidMotion,
     loads: Sequence[FloatArray],
-    solve: Solve,
-    tangents: Callable[[list[FloatArray]], Sequence[FloatArray]],
+    solve: Callable[[BalancedLoads], StressedLinks],
     *,
     displaced_inertia: DisplacedInertia | None = None,
     solve_connects: bool = False,
-) -> BalancedLoads:
-    """Loads on the links with those that depend on where the links are.
+) -> StressedLinks:
+    """Links at equilibrium under loads, some of which depend on where the links are.
 
     Parameters
     ----------
@@ -109,17 +104,15 @@ def balanced_loads(
     loads : sequence of ndarray, shape (B, n_link)
         Others.
     solve : callable
-        Displacements (B, n_link) at equilibrium under :class:`BalancedLoads`.
-    tangents : callable
-        Tangent stiffness (B, n_link, n_link) at displacements.
+        Links at equilibrium under given :class:`BalancedLoads`.
     displaced_inertia : DisplacedInertia, optional
         Inertia forces by which the displacement of the links changes those among ``loads``.
     solve_connects : bool
-        Whether ``solve`` counts the connectors, whose forces are then not among the result.
+        Whether ``solve`` counts the connectors, whose forces are then not among its loads.
 
     Returns
     -------
-    BalancedLoads
+    StressedLinks
 
     Raises
     ------
@@ -137,7 +130,7 @@ def balanced_loads(
 
     force, moved = forces(None), None
     if displaced_inertia is None and (solve_connects or not connectors.depend_on_displacement):
-        return BalancedLoads(_sum(loads, force), None)
+        return solve(BalancedLoads(_sum(loads, force), None))
     stiffness: Sequence[FloatArray] = [link.stiffness for link in frames.links]
     displacement, unbalanced = undisplaced, _sum(loads, force)
     load_change = np.full(len(motion.crank_angle), np.inf)
@@ -145,8 +138,9 @@ def balanced_loads(
     for number in range(MOST_PASSES):
         # Near its first frequency a body is stiff by its tension alone, which straight links lack.
         if number or displaced_inertia is not None:
-            displacement = solve(BalancedLoads(_sum(loads, force), moved))
-            stiffness = tangents(displacement)
+            stressed = solve(BalancedLoads(_sum(loads, force), moved))
+            assert stressed.displacement is not None
+            stiffness, displacement = stressed.tangent, stressed.displacement
             unbalanced = [b - a for a, b in zip(force, forces(displacement), strict=True)]
         if displaced_inertia is not None:
             pairs = zip(stiffness, displaced_inertia.matrices(displacement), strict=True)
@@ -166,17 +160,18 @@ def balanced_loads(
         if number and converged.all():
             if displaced_inertia is not None:
                 _refuse_instability(motion, against, follow=connectors.follow)
-            return BalancedLoads(_sum(loads, force), moved)
-    refuse_positions(
-        motion,
-        ~converged,
-        "no equilibrium with the forces that depend on the displacement of the links",
-        f": they still change by {float((load_change / size).max()):.3g} of the greatest after "
-        f"{MOST_PASSES} passes; use softer springs, smaller loads or a lower crank speed, or "
-        "prestress 'axial'",
-        EquilibriumError,
-    )
-    return BalancedLoads(_sum(loads, force), moved)
+            break
+    else:
+        refuse_positions(
+            motion,
+            ~converged,
+            "no equilibrium with the forces that depend on the displacement of the links",
+            f": they still change by {float((load_change / size).max()):.3g} of the greatest after "
+            f"{MOST_PASSES} passes; use softer springs, smaller loads or a lower crank speed, or "
+            "prestress 'axial'",
+            EquilibriumError,
+        )
+    return solve(BalancedLoads(_sum(loads, force), moved))
 
 
 def _refuse_instability(motion: RigidMotion, stiffness: FloatArray, *, follow: bool) -> None:
@@ -319,7 +314,6 @@ def with_rigid_links(
     frames: LinkFrames,
     tangent: Mapping[int, FloatArray],
     found: RigidGeometricStiffness | None,
-    loads: list[FloatArray] | None = None,
 ) -> StressedLinks:
     """Tangents of all links from those of flexible ones.
 
@@ -331,7 +325,6 @@ def with_rigid_links(
         Tangent of each flexible link.
     found : RigidGeometricStiffness, optional
         Stiffness of rigid links, hubs and sliders.
-    loads : list of ndarray, shape (B, n_link), optional
 
     Returns
     -------
@@ -339,7 +332,7 @@ def with_rigid_links(
         Without a displacement.
     """
     if found is None:
-        return StressedLinks([tangent[number] for number in sorted(tangent)], loads=loads)
+        return StressedLinks([tangent[number] for number in sorted(tangent)])
     tangents = [
         np.multiply.outer(found.rotation_stiffness[:, number], TURN)
         if link.rigid
@@ -352,4 +345,4 @@ def with_rigid_links(
             turn = link.end_rotation_of(clamp.link_end.end)[:1]
             own = found.rotation_stiffness[:, number, None]
             tangents[number] = with_entries(tangents[number], turn, turn, own)
-    return StressedLinks(tangents, loads=loads, guide_stiffness=found.guide_stiffness)
+    return StressedLinks(tangents, guide_stiffness=found.guide_stiffness)

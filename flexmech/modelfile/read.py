@@ -28,7 +28,7 @@ from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings, input_error, refuse_unseen_characters
 from flexmech.modelfile.placing import TwoPlaces, placed_points
-from flexmech.units import TEMPERATURE, Dimension, parse_quantity
+from flexmech.units import TEMPERATURE, Dimension
 from flexmech.validation import check_instance
 
 MOST_BYTES = 10_000_000
@@ -178,6 +178,7 @@ SHOWN = "the changed model"
 # Say what a mechanism is called and where it is from, and not what it is.
 _LABELS = ("name", "source", "notes")
 Keys = tuple[str, ...]
+StatedField = tuple[Keys, si.QuantityField | str]
 
 
 @dataclass(frozen=True)
@@ -210,9 +211,7 @@ class StatedModel:
 
         Temperatures and operating speeds are left out.
         """
-        return {
-            ".".join(keys): stated for keys, stated in self._stated if isinstance(stated, Dimension)
-        }
+        return {key: field.dimension for key, field in self._fields.items()}
 
     @cached_property
     def texts(self) -> dict[str, str]:
@@ -220,8 +219,13 @@ class StatedModel:
         return {".".join(keys): stated for keys, stated in self._stated if isinstance(stated, str)}
 
     @cached_property
-    def _stated(self) -> list[tuple[Keys, Dimension | str]]:
+    def _stated(self) -> list[StatedField]:
         return list(_of_table(self._tables, self.data))
+
+    @cached_property
+    def _fields(self) -> dict[str, si.QuantityField]:
+        stated = ((".".join(keys), field) for keys, field in self._stated)
+        return {key: field for key, field in stated if not isinstance(field, str)}
 
     @cached_property
     def _tables(self) -> ModelFile:
@@ -232,12 +236,11 @@ class StatedModel:
         return {".".join(keys): keys for keys, _ in self._stated}
 
     def value(self, key: str) -> float:
-        """Value of one of :attr:`quantities` in SI units."""
-        found: Any = self.data
+        """Value of one of :attr:`quantities` in SI units; infinite where it is without bound."""
+        stated: Any = self.data
         for name in self._keys[key]:
-            found = found[int(name) if isinstance(found, list) else name]
-        dimension = self.quantities[key]
-        return float(found) if isinstance(found, int | float) else parse_quantity(found, dimension)
+            stated = stated[int(name) if isinstance(stated, list) else name]
+        return self._fields[key].parse(stated)
 
     def with_values(self, values: Mapping[str, float | str]) -> Mechanism:
         """The mechanism whose model file states other values.
@@ -357,8 +360,8 @@ def _read_where_same(
     return read
 
 
-def _of_table(inside: BaseModel, data: Mapping[str, Any]) -> Iterator[tuple[Keys, Dimension | str]]:
-    """Keys of what a table states, with the dimension of quantities and the text of others."""
+def _of_table(inside: BaseModel, data: Mapping[str, Any]) -> Iterator[StatedField]:
+    """Keys of what a table states, with the fields of quantities and the text of others."""
     for name, own in data.items():
         field = type(inside).model_fields[name]
         annotation = Annotated[(field.annotation, *field.metadata)] if field.metadata else None
@@ -368,7 +371,7 @@ def _of_table(inside: BaseModel, data: Mapping[str, Any]) -> Iterator[tuple[Keys
             yield (name, *keys), stated
 
 
-def _of_value(annotation: Any, inside: Any, own: Any) -> Iterator[tuple[Keys, Dimension | str]]:
+def _of_value(annotation: Any, inside: Any, own: Any) -> Iterator[StatedField]:
     """The same of the value of a field, whatever it is."""
     if isinstance(inside, BaseModel):
         if isinstance(own, Mapping):
@@ -387,7 +390,7 @@ def _of_value(annotation: Any, inside: Any, own: Any) -> Iterator[tuple[Keys, Di
             if isinstance(own, str):
                 yield (), own
         elif mark.dimension is not TEMPERATURE and not isinstance(mark, si.WrittenField):
-            yield (), mark.dimension
+            yield (), mark
 
 
 def _entries(annotation: Any, *kinds: type) -> Any:

@@ -23,7 +23,7 @@ from flexmech.errors import InputError
 from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
 from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.mechanics import (
-    BalancedLoads,
+    DeadMoments,
     Engine,
     LinkModel,
     LinkPoint,
@@ -31,8 +31,6 @@ from flexmech.mechanics import (
     StressedLinks,
     TheoryComparison,
     acts_at_rest,
-    inertia_loads,
-    refuse_large_displacements,
 )
 from flexmech.mechanics.beams import compare_theories
 from flexmech.mechanics.running import Impact, LinkState, Recorder, Trajectory
@@ -147,27 +145,18 @@ class ExudynEngine(Engine):
             )
         return straight
 
-    def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
+    def _elastic_equilibrium(
+        self,
+        motion: RigidMotion,
+        loads: Sequence[FloatArray],
+        dead: DeadMoments,
+        near: Sequence[FloatArray] | None,
+    ) -> StressedLinks:
         # The static solver goes from one crank angle to the next by itself.
         del near
-
-        def displaced(under: BalancedLoads) -> list[FloatArray]:
-            dead = self._dead(motion, under.loads, under.at)
-            return static_equilibrium(self.model, motion, under.loads, dead)[0]
-
-        under = self._quasi_static_loads(motion, displaced)
-        loads, dead = under.loads, self._dead(motion, under.loads, under.at)
-        moved, tangent, damping = static_equilibrium(self.model, motion, loads, dead)
-        if self.connectors.any:
-            acting = self.connectors.forces(motion, moved)
-            loads = [load + force for load, force in zip(loads, acting, strict=True)]
-        refuse_large_displacements(self.clamped_links, motion, moved)
-        elastic = {n: tangent[n] for n, link in enumerate(self.clamped_links) if not link.rigid}
-        # Exudyn's linearization does not include the derivative of ``C_q' lambda``.
-        arms = self.clamped_frames.has_arms
-        inner = internal_forces(self.model, moved) if arms else [np.zeros_like(q) for q in moved]
-        stressed = self._displaced_links(motion, moved, under.loads, inner, elastic, dead)
-        return replace(stressed, displacement=moved, damping=damping, loads=loads)
+        displacement, tangent, damping = static_equilibrium(self.model, motion, loads, dead)
+        force = internal_forces(self.model, displacement)
+        return StressedLinks(tangent, displacement, force, damping)
 
     def simulate(
         self,
@@ -337,6 +326,13 @@ class ExudynEngine(Engine):
         simulation = Simulation(model, step, steps, integrator)
         return ExudynSystem.of(simulation, start, stride)
 
+    def internal_forces(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """See :meth:`Engine.internal_forces`."""
+        del motion
+        return internal_forces(self.model, displacement)
+
     def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
@@ -344,16 +340,6 @@ class ExudynEngine(Engine):
         tangent, damping = running_tangents(self.model, motion, displacement)
         force = internal_forces(self.model, displacement)
         return StressedLinks(tangent, list(displacement), force, damping)
-
-    def tangents_under_dead_loads(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> Sequence[FloatArray]:
-        """See :meth:`Engine.tangents_under_dead_loads`."""
-        tangent, links = running_tangents(self.model, motion, displacement)[0], self.clamped_links
-        elastic = {n: tangent[n] for n, link in enumerate(links) if not link.rigid}
-        dead = self._dead(motion, inertia_loads(links, motion, self.mechanism.gravity))
-        stiffened = dead.add_stiffness(elastic, [q.T for q in displacement])
-        return [stiffened.get(number, matrix) for number, matrix in enumerate(tangent)]
 
     def damping_stiffness(
         self,

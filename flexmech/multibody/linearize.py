@@ -74,7 +74,7 @@ def linearized(
 def static_equilibrium(
     model: StaticModel,
     motion: RigidMotion,
-    loads: list[FloatArray],
+    loads: Sequence[FloatArray],
     dead: DeadMoments,
 ) -> tuple[list[FloatArray], list[FloatArray], list[FloatArray]]:
     """Quasi-static equilibrium of each position, and tangents of its links alone.
@@ -84,7 +84,7 @@ def static_equilibrium(
     model : StaticModel
     motion : RigidMotion
         Batch of shape (B,).
-    loads : list of ndarray, shape (B, n_link)
+    loads : sequence of ndarray, shape (B, n_link)
         Forces on each link in its frame.
     dead : DeadMoments
         Moments of dead loads on bodies and rigid links.
@@ -136,7 +136,7 @@ def static_equilibrium(
 
 
 def _applied(
-    model: StaticModel, relative: FloatArray, loads: list[FloatArray], dead: DeadMoments
+    model: StaticModel, relative: FloatArray, loads: Sequence[FloatArray], dead: DeadMoments
 ) -> tuple[FloatArray, FloatArray]:
     """Arguments over a batch of :meth:`flexmech.multibody.static_model.StaticLoads.set`.
 

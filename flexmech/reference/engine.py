@@ -19,14 +19,13 @@ from flexmech.linkages import LinkMass, RigidMotion
 from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.linkages.motion import direction
 from flexmech.mechanics import (
-    BalancedLoads,
+    DeadMoments,
     Engine,
     LinkModel,
     LinkStretch,
     StressedLinks,
     TheoryComparison,
     chain_matrix,
-    refuse_large_displacements,
     rigid_link,
 )
 from flexmech.mechanics.beams.comparison import compare_theories
@@ -248,18 +247,22 @@ class ReferenceEngine(Engine):
         alone = not self.connectors.depend_on_displacement
         return Equilibrium(self.balance, stable_alone=alone)
 
-    def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
+    def _elastic_equilibrium(
+        self,
+        motion: RigidMotion,
+        loads: Sequence[FloatArray],
+        dead: DeadMoments,
+        near: Sequence[FloatArray] | None,
+    ) -> StressedLinks:
         varying = self._varying(motion)
+        displacement = self.equilibrium.solve(motion, loads, varying, dead, near)
+        return self._elastic(displacement, varying)
 
-        def displaced(under: BalancedLoads) -> list[FloatArray]:
-            dead = self._dead(motion, under.loads, under.at)
-            start = near if under.at is None else under.at
-            return self.equilibrium.solve(motion, under.loads, varying, dead, start)
-
-        under = self._quasi_static_loads(motion, displaced)
-        displacement, loads = displaced(under), under.loads
-        refuse_large_displacements(self.clamped_links, motion, displacement)
-        return replace(self._displaced(motion, displacement, varying, loads), loads=loads)
+    def internal_forces(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """See :meth:`Engine.internal_forces`."""
+        return self.balance.response(displacement, self._varying(motion))[0]
 
     def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
@@ -270,39 +273,17 @@ class ReferenceEngine(Engine):
         what those of the elastic motion add inside it is left out, and falls with the square
         of the element length. Their mean is that of the state.
         """
-        force, of_chains = self.balance.response(displacement, self._varying(motion))
+        return self._elastic(displacement, self._varying(motion))
+
+    def _elastic(
+        self, displacement: Sequence[FloatArray], varying: Sequence[FloatArray]
+    ) -> StressedLinks:
+        force, of_chains = self.balance.response(displacement, varying)
         tangent = [
             of_chains.get(number, np.zeros((link.size, link.size)))
             for number, link in enumerate(self.clamped_links)
         ]
         return StressedLinks(tangent, list(displacement), force, self._damping(displacement))
-
-    def tangents_under_dead_loads(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> Sequence[FloatArray]:
-        """See :meth:`Engine.tangents_under_dead_loads`."""
-        loads = self._loads(motion, displacement)
-        return self._displaced(motion, displacement, self._varying(motion), loads).tangent
-
-    def _displaced(
-        self,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        varying: Sequence[FloatArray],
-        loads: list[FloatArray],
-    ) -> StressedLinks:
-        force, of_chains = self.balance.response(displacement, varying)
-        links, dead = self.clamped_links, self._dead(motion, loads, displacement)
-        stressed = self._displaced_links(motion, displacement, loads, force, of_chains, dead)
-        # A rigid link that turns meets its tangent as it is, against the forces that cause it.
-        for number, link in enumerate(links):
-            if link.rigid:
-                turned = stressed.tangent[number] @ displacement[number][..., None]
-                force[number] = turned[..., 0]
-        damping = self._damping(displacement)
-        return replace(
-            stressed, displacement=list(displacement), internal_force=force, damping=damping
-        )
 
     def _damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray] | None:
         """Damping of displaced links, (B, n_link, n_link); None where none is damped."""

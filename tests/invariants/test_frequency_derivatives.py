@@ -18,6 +18,7 @@ from flexmech import (
     natural_frequencies,
 )
 from flexmech.modelfile import mechanism_with
+from tests.support.mechanisms import model
 
 THICKNESS, LENGTH = "links.coupler.in_plane_thickness", "linkage.coupler"
 
@@ -91,3 +92,6 @@ def test_derivatives_by_what_is_not_stated_are_refused(aluminium: Mechanism) -> 
         frequency_derivatives(engine, ["linkage.copler"], 0.0)
     with pytest.raises(InputError, match="moisture is zero here"):
         frequency_derivatives(engine, ["moisture"], 0.0)
+    rigid = engine_of(model("turcic_midha_bosnik_fourbar"))
+    with pytest.raises(InputError, match="shear_stiffness is infinite here"):
+        frequency_derivatives(rigid, ["links.coupler.shear_stiffness"], 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -74,7 +75,8 @@ def frequency_derivatives(
     Raises
     ------
     InputError
-        If the model has no such quantity, or it is zero there, so that no step is small beside it.
+        If the model has no such quantity, or it is zero or infinite there, so that no step is small
+        beside it.
     InputError, ComputationError
         See :func:`flexmech.natural_frequencies`.
 
@@ -112,10 +114,11 @@ def frequency_derivatives(
 
 
 def _value_of(parameters: Parameters, key: str) -> float:
-    """Value of a quantity in SI units, which must not be zero."""
+    """Value of a quantity in SI units, which must be finite and not zero."""
     value = parameters.value(key)
-    if not value:
-        raise InputError(f"{key} is zero here; a derivative needs a value to change by a part of")
+    if not value or math.isinf(value):
+        size = "infinite" if value else "zero"
+        raise InputError(f"{key} is {size} here; a derivative needs a value to change by a part of")
     return value
 
 

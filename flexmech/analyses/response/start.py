@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -109,11 +110,8 @@ def linear_forces(
     forces = [np.zeros_like(q) for q in displacement]
     beyond = list(displacement)
     if state.displacement is not None:
-        found = state.internal_force
-        if found is None:
-            found = engine.running_links(motion, state.displacement).internal_force
-        assert found is not None
-        forces = found
+        assert state.internal_force is not None
+        forces = state.internal_force
         beyond = [q - at for q, at in zip(displacement, state.displacement, strict=True)]
     return [
         force + (tangent @ change[..., None])[..., 0]
@@ -231,18 +229,12 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
     linear = _PeriodicMotion.of(engine, request, step)
     time, motion, was = linear.time, linear.motion, linear.displacement
     engine = linear.engine
-
-    def internal_forces(displacement: list[FloatArray]) -> list[FloatArray]:
-        found = engine.running_links(motion, displacement).internal_force
-        assert found is not None
-        return found
-
     placed = without_second_order_stretch(
         LinkFrames(engine.rigid_joint_topology, engine.links),
         motion,
         was,
         linear_forces(engine, motion, was, request.prestress),
-        internal_forces,
+        partial(engine.internal_forces, motion),
     )
     moved = [q - before for q, before in zip(placed, was, strict=True)]
     return LinkState(
@@ -400,8 +392,7 @@ def _stretching_on_periodic_motion(
     if _has_nonlinear_orbit(request):
         engine, motion = linkage.engine, linkage.motion(time)
         orbit = nonlinear_orbit(engine, request.drive.speed)
-        forces = engine.running_links(motion, orbit.at(motion.crank_angle)[0]).internal_force
-        assert forces is not None
+        forces = engine.internal_forces(motion, orbit.at(motion.crank_angle)[0])
         starts = [orbit.state(angle) for angle in motion.crank_angle.tolist()]
     else:
         linear = _PeriodicMotion.of(linkage.engine, request, step)

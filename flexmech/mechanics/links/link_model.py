@@ -535,17 +535,13 @@ class StressedLinks:
     displacement : list of ndarray, shape (B, n), or None
         Displacement of the state; None for links taken as straight.
     internal_force : list of ndarray, shape (B, n), or None
-        Internal force of the state; None for straight links, where there is none, and
-        where an engine does not provide it.
+        Internal force of the state; None for straight links, where there is none.
     damping : list of ndarray, shape (B, n, n), or None
         Damping matrix in the state; None for that of the straight links. A bowed link that
         bends further is not stretched along its axis, and must not be damped as if it were.
     damping_stiffness : list of ndarray, shape (B, n, n), or None
         Derivative of the damping forces by the displacement, not symmetric; None where no link is
         damped, and for a state at rest.
-    loads : list of ndarray, shape (B, n), or None
-        Forces on the links in the state; None where there are none, or an engine does not
-        provide them.
     guide_stiffness : ndarray, shape (B, n_sliders), or None
         Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
     unstressed : bool
@@ -559,7 +555,6 @@ class StressedLinks:
     internal_force: list[FloatArray] | None = None
     damping: Sequence[FloatArray] | None = None
     damping_stiffness: Sequence[FloatArray] | None = None
-    loads: list[FloatArray] | None = None
     guide_stiffness: FloatArray | None = None
     unstressed: bool = False
     motion: RigidMotion | None = None
@@ -590,7 +585,6 @@ class StressedLinks:
             internal_force=chosen(self.internal_force),
             damping=self.damping and [d[which] for d in self.damping],
             damping_stiffness=chosen(self.damping_stiffness),
-            loads=chosen(self.loads),
             guide_stiffness=None if self.guide_stiffness is None else self.guide_stiffness[which],
             motion=motion,
         )

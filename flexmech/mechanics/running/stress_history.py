@@ -253,7 +253,7 @@ class StressHistory:
                 stresses.append(self._equilibrium_correction(stressed, self._equilibrium_of))
                 continue
             if (displacement := stressed.displacement) is not None:
-                force = self._balanced_forces(motion, displacement, stressed.internal_force)
+                force = self._balanced_forces(motion, stressed)
                 stressed = replace(stressed, internal_force=force)
                 forces.append(np.concatenate(force, axis=1))
                 places.append(np.concatenate(displacement, axis=1))
@@ -263,12 +263,7 @@ class StressHistory:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
         return values
 
-    def _balanced_forces(
-        self,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        inner: Sequence[FloatArray] | None,
-    ) -> list[FloatArray]:
+    def _balanced_forces(self, motion: RigidMotion, stressed: StressedLinks) -> list[FloatArray]:
         """Internal forces at the equilibrium that balance its loads on straight links.
 
         The engine's balance the loads on arms that are displaced and turned, and the equations of
@@ -277,9 +272,9 @@ class StressHistory:
         shaft has one: its torque is that which the motion takes.
         """
         engine, frames = self._engine, self._engine.clamped_frames
-        if inner is None:
-            inner = engine.running_links(motion, displacement).internal_force
-            assert inner is not None
+        displacement, inner = stressed.displacement, stressed.internal_force
+        assert displacement is not None
+        assert inner is not None
         loads = engine.equilibrium_forces(motion, displacement)
         missing = [load - force for load, force in zip(loads, inner, strict=True)]
         eye = np.eye(frames.size)
@@ -327,7 +322,8 @@ class StressHistory:
         for number, basis in enumerate(self._bases):
             tangent = stressed.tangent[number]
             prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros(batch)
-            if stressed.displacement is not None and stressed.internal_force is not None:
+            if stressed.displacement is not None:
+                assert stressed.internal_force is not None
                 q, force = stressed.displacement[number], stressed.internal_force[number]
                 elastic = (tangent @ q[..., None])[..., 0]
                 prestress = (force - elastic) @ basis
