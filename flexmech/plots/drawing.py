@@ -213,10 +213,7 @@ def draw_pane(axes: Axes, pane: Pane) -> None:
         else:
             axes.plot(curve.x, curve.y, **curve.look)
             _mark_lone_points(axes, curve)
-    if pane.scale == "signed log":
-        scales.signed_log_scale(axes, pane.ticks)
-        axes.set_ylim(pane.limits)
-    elif pane.scale != "linear":
+    if pane.scale != "linear":
         low, high = pane.limits or axes.get_ylim()
         scales.log_scale(axes, low, high, plain=pane.scale == "plain log")
     else:

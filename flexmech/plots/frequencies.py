@@ -6,15 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, unbroken_runs
-from flexmech.errors import InputError
 from flexmech.plots import angle_panels, reading, scales, style
 from flexmech.plots.angle_panels import Between, has_many_speeds, speed_colours, speed_lines
-from flexmech.plots.drawing import draw, figure
-from flexmech.plots.layout import AxesLike
+from flexmech.plots.drawing import figure
 from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
 from flexmech.plots.style import Look
 
@@ -242,43 +239,32 @@ def plot_frequencies_over_speed(dataset: xr.Dataset) -> Picture:
     )
 
 
-def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw the damping ratio by modal strain energy, one panel a speed, one line a mode.
-
-    Modes are in order of frequency at each angle. Where two of them change places a line
-    breaks off and goes on elsewhere: it does not join the damping of different vibrations.
-    The first engine is drawn as lines, the others as markers. Of more than six speeds, six
-    are drawn, evenly spread.
+def damping_of(dataset: xr.Dataset) -> str:
+    """Variable that holds the damping ratio: by modal strain energy where plies have some.
 
     Parameters
     ----------
     dataset : Dataset
-        Dataset of a ``MovingFrequencies`` result of a mechanism with specific damping.
-    ax : Axes or sequence of Axes, optional
-        The user's, one a speed. Left out: a new figure is made.
+        Dataset of a ``MovingFrequencies`` result.
 
     Returns
     -------
-    Figure
-
-    Raises
-    ------
-    InputError
-        If the dataset has no ``strain_energy_damping``.
+    str
     """
-    if "strain_energy_damping" not in dataset:
-        raise InputError(
-            "this result has no damping by modal strain energy: give the mechanism sections "
-            "with specific damping, then compute moving_frequencies"
-        )
-    return draw(damping_picture(dataset, "strain_energy_damping"), ax=ax)
+    by_energy = "strain_energy_damping"
+    return by_energy if by_energy in dataset else "damping_ratio"
 
 
-def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw the damping ratio -Re(lambda)/abs(lambda) of frozen positions, one panel a speed.
+@figure
+def plot_damping(dataset: xr.Dataset) -> Picture:
+    """Draw the damping ratio against crank angle, one panel a speed, one line a mode.
 
-    As :func:`plot_modal_damping`. With rotation terms frozen eigenvalues have damping ratios of
-    either sign that are no damping; an undamped mechanism has these alone.
+    By modal strain energy where the specific damping of plies is known, else
+    -Re(lambda)/abs(lambda) of frozen positions. With rotation terms these may have either sign and
+    are no damping; an undamped mechanism has these alone. Modes are in order of frequency at each
+    angle. Where two of them change places a line breaks off and goes on elsewhere: it does not
+    join the damping of different vibrations. The first engine is drawn as lines, the others as
+    markers. Of more than six speeds, six are drawn, evenly spread.
 
     Parameters
     ----------
@@ -291,23 +277,7 @@ def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     -------
     Figure
     """
-    return draw(damping_picture(dataset, "damping_ratio"), ax=ax)
-
-
-def damping_picture(dataset: xr.Dataset, name: str) -> Picture:
-    """Damping ratios against crank angle, a pane for each speed, six at most.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Dataset of a ``MovingFrequencies`` result.
-    name : str
-        ``"strain_energy_damping"`` or ``"damping_ratio"``.
-
-    Returns
-    -------
-    Picture
-    """
+    name = damping_of(dataset)
     title = "Kelvin-Voigt damping of frozen positions"
     if dataset.attrs.get("damped_by", "Kelvin-Voigt") != "Kelvin-Voigt":
         title = "Damping ratios of frozen positions"

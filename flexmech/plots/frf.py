@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 
-from flexmech.arrays import ComplexArray, FloatArray
+from flexmech.arrays import FloatArray
 from flexmech.plots import reading, scales
 from flexmech.plots.drawing import figure
 from flexmech.plots.layout import grid
@@ -48,7 +46,6 @@ CURVES: dict[str, tuple[str, Look]] = {
 }
 """Receptances of the dataset, from the lowest to the uppermost line: label and look."""
 # Decades of an amplitude below its peak that are drawn, at most: deeper antiresonances are noise.
-# Real and imaginary parts have as many on either side of zero.
 DECADES = 5.0
 
 # What a row of panels and what the axes take, in inches: seven orders fit a page. On a narrow page
@@ -103,32 +100,24 @@ def plot_frf(dataset: xr.Dataset) -> Picture:
     -------
     Figure
     """
-    parts: tuple[tuple[str, Callable[[ComplexArray], FloatArray]], ...] = (
-        ("amplitude", np.abs),
-        ("phase (deg)", scales.phase_of),
-    )
-    return _functions(dataset, parts)
-
-
-@figure
-def plot_frf_parts(dataset: xr.Dataset) -> Picture:
-    """Draw real and imaginary part of receptance, mobility and accelerance.
-
-    The scales are logarithmic on either side of zero, and linear around it: the first resonance
-    is so much larger than the others that a linear scale would show it alone.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Dataset of a ``HammerTest`` result; its first crank angle is drawn.
-    ax : Axes or sequence of Axes, optional
-        The user's, six: the real parts, then the imaginary ones. Left out: a new figure is made.
-
-    Returns
-    -------
-    Figure
-    """
-    return _functions(dataset, (("Re", np.real), ("Im", np.imag)))
+    data, sizes, phases = first_angle(dataset), list[Pane](), list[Pane]()
+    frequency = data["frequency"].values
+    for response, unit, power in RESPONSES:
+        turned = (2j * np.pi * frequency) ** power
+        values = {curve: complex_values(data, curve) * turned for curve in CURVES}
+        low, high = scales.log_limits(np.abs(values["exact_receptance"]), DECADES)
+        size, phase = (
+            [Curve(frequency, part(values[n]), look, words) for n, (words, look) in CURVES.items()]
+            for part in (np.abs, scales.phase_of)
+        )
+        label, limits = f"{response}\namplitude ({unit})", (low / 2, high)
+        sizes.append(Pane(label, size, limits=limits, scale="log"))
+        phases.append(phase_pane(f"{response}\nphase (deg)", phase))
+    height = 2 * NARROW_HEIGHT if is_narrow() else 2 * ROW_HEIGHT + AXES_HEIGHT
+    layout, ends = grid(2, 3, height, sharex=True), np.array([0.0, frequency[-1]])
+    title, along = hammer_title(dataset), "Frequency (Hz)"
+    panes = [*sizes, *phases]
+    return Picture(panes, along, dataset, title, places=ends, layout=layout, fewer=BOTH)
 
 
 def curve_handles(**measured: Any) -> list[Artist]:
@@ -156,35 +145,6 @@ def hammer_title(dataset: xr.Dataset) -> str:
         f"Crank locked at {angle_text(first_angle(dataset))}: impact {of['impact']}, response "
         f"{of['response_point']}, {of['direction']}; {of['engine']}"
     )
-
-
-def _functions(
-    dataset: xr.Dataset, parts: tuple[tuple[str, Callable[[ComplexArray], FloatArray]], ...]
-) -> Picture:
-    """Rows of parts of receptance, mobility and accelerance."""
-    data, panes = first_angle(dataset), []
-    frequency = data["frequency"].values
-    for (name, part), (response, unit, power) in product(parts, RESPONSES):
-        turned = (2j * np.pi * frequency) ** power
-        values = {curve: part(complex_values(data, curve) * turned) for curve in CURVES}
-        exact = values["exact_receptance"]
-        curves = [
-            Curve(frequency, values[curve], look, words) for curve, (words, look) in CURVES.items()
-        ]
-        if name.startswith("phase"):
-            panes.append(phase_pane(f"{response}\n{name}", curves))
-        elif name == "amplitude":
-            low, high = scales.log_limits(exact, DECADES)
-            label = f"{response}\n{name} ({unit})"
-            panes.append(Pane(label, curves, limits=(low / 2, high), scale="log"))
-        else:
-            limits, ticks = scales.signed_decades(exact, DECADES)
-            label = f"{name} {response.lower()}\n({unit})"
-            panes.append(Pane(label, curves, limits=limits, ticks=ticks, scale="signed log"))
-    height = 2 * NARROW_HEIGHT if is_narrow() else 2 * ROW_HEIGHT + AXES_HEIGHT
-    layout, ends = grid(2, 3, height, sharex=True), np.array([0.0, frequency[-1]])
-    title, along = hammer_title(dataset), "Frequency (Hz)"
-    return Picture(panes, along, dataset, title, places=ends, layout=layout, fewer=BOTH)
 
 
 @figure

@@ -6,7 +6,6 @@ The drive is a law of motion, with the vibration after its stop, or a motor.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -25,7 +24,6 @@ from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span, by_engine, 
 from flexmech.plots.response import ROTATION_UNITS, engine_panes, over_time
 from flexmech.plots.style import MID_GREY, Look
 
-POWER: reading.Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 # Motion of a link: variable, what it is, factor from the SI unit, and unit.
 MOTIONS = (
     ("angle", "Angle", np.degrees(1.0), "deg"),
@@ -42,9 +40,8 @@ MAGNITUDE: style.Look = {"color": "0.6", "lw": 2.2, "zorder": 1.5}
 
 TITLE = "Transmission angle over a turn of the crank"
 
-# Of two square panels beside each other, of three, and of four panels of angles, in inches: as high
-# as the panels are wide, and two rows that fill less than half a page.
-HEIGHT, HEIGHT_OF_THREE, ANGLE_HEIGHT = 3.6, 2.45, 4.2
+# Of two square panels beside each other, and of three, in inches: as high as they are wide.
+HEIGHT, HEIGHT_OF_THREE = 3.6, 2.45
 # Room of a close-up over the extent of the loops: what leads into them is seen on both
 # sides.
 CLOSE_UP_ROOM = 1.5
@@ -132,7 +129,10 @@ def plot_drive(dataset: xr.Dataset) -> Picture:
     """
     over, (dataset, angles) = dataset, positions(dataset)
     both, panes = "transmission_angle" in dataset, []
-    shown = (("driving_torque", "Torque", reading.TORQUE_UNITS), ("driving_power", "Power", POWER))
+    shown = (
+        ("driving_torque", "Torque", reading.TORQUE_UNITS),
+        ("driving_power", "Power", reading.POWER_UNITS),
+    )
     for name, words, units in shown:
         curves = [Curve(angles, dataset[name].values, style.series_line(0, angles))]
         if f"lumped_{name}" in dataset:
@@ -276,50 +276,6 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
         _draw_paths(last, pins, angles)
         _name_pins(last, names, pins[0])
     return drawn.figure
-
-
-@figure
-def plot_coupler_angles(dataset: xr.Dataset) -> Picture:
-    """Draw the angles of coupler and rocker against the crank's, and how they change.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        With ``angle`` (state, crank_angle, link) in rad, unwrapped, of coupler and rocker, and
-        the name of the mechanism. Changes are against the first state.
-    ax : sequence of Axes, optional
-        The user's, one a panel. Left out: a new figure is made.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    InputError
-        If there are no states, or more than there are styles to tell them apart.
-    """
-    states, angles = (
-        style.distinct_names(reading.names_of(dataset, "state")),
-        reading.degrees(dataset["crank_angle"]),
-    )
-    angle = np.degrees(reading.values_of(dataset["angle"], "link", "state", "crank_angle"))
-    change = angle - angle[:, :1]
-    # Two unwrapped angles may be whole turns apart.
-    change -= 360.0 * np.round(change.mean(axis=-1, keepdims=True) / 360.0)
-    panes, links = [], reading.names_of(dataset, "link")
-    for number, (link, lines) in enumerate(zip(links, angle, strict=True), 3):
-        title = f"{link.capitalize()}, $\\theta_{number}$"
-        curves = series(angles, lines, states)
-        panes.append(Pane(rf"$\theta_{number}$ (deg)", curves, title=title))
-    zero = Span(0.0, 0.0, {"color": style.MID_GREY, "lw": 0.6, "zorder": 1})
-    for number, lines in enumerate(change if len(states) > 1 else (), 3):
-        curves = series(angles, lines, states)[1:]
-        panes.append(Pane(rf"Change of $\theta_{number}$ (deg)", curves, spans=[zero]))
-    rows = len(panes) // 2
-    layout = grid(rows, 2, ANGLE_HEIGHT if rows > 1 else ANGLE_HEIGHT / 2 + 0.5, sharex=True)
-    title = "Angles of coupler and rocker"
-    return over_angles(angles, panes, dataset, title, layout=layout)
 
 
 def _is_curve(dataset: xr.Dataset) -> bool:
@@ -588,7 +544,7 @@ SETTLED: Look = {"color": MID_GREY, "lw": 0.9, "ls": "--", "zorder": 1.2}
 _ROOM = 0.15
 _PANELS: tuple[tuple[str, reading.Units, str], ...] = (
     ("motor_torque", ((1.0, "N m"), (1e3, "N mm")), "Motor\ntorque"),
-    ("motor_power", ((1.0, "W"), (1e3, "mW")), "Motor\npower"),
+    ("motor_power", reading.POWER_UNITS, "Motor\npower"),
     ("motor_current", ((1.0, "A"), (1e3, "mA")), "Motor\ncurrent"),
 )
 _ACCELERATION: reading.Units = ((1.0, "rad/s²"),)
@@ -596,7 +552,7 @@ _ACCELERATION: reading.Units = ((1.0, "rad/s²"),)
 
 @figure
 def plot_law(dataset: xr.Dataset) -> Picture:
-    """Draw angle, speed and acceleration of the crank over time, and of a run the driving power.
+    """Draw angle, speed and acceleration of the crank over time.
 
     A dotted line is where the law ends.
 
@@ -604,10 +560,9 @@ def plot_law(dataset: xr.Dataset) -> Picture:
     ----------
     dataset : Dataset
         Dataset of a ``Kinematics`` or ``Response`` result under a law of motion: ``crank_angle``,
-        ``crank_speed_over_time`` and ``crank_acceleration`` over time, and ``driving_power``
-        (engine, time) of a run.
+        ``crank_speed_over_time`` and ``crank_acceleration`` over time.
     ax : sequence of Axes, optional
-        The user's, three, or four of a run. Left out: a new figure is made.
+        Three of the user's. Left out: a new figure is made.
 
     Returns
     -------
@@ -615,11 +570,10 @@ def plot_law(dataset: xr.Dataset) -> Picture:
     """
     time, end = dataset["time"].values, float(dataset.attrs.get("run_up_time", np.inf))
     stop = (Span(end, end, STOP, "end of the law", upright=True),) if end < time[-1] else ()
-    runs = "engine" in dataset.dims
     panes = [
         Pane(
             f"{what}\n",
-            (Curve(time, dataset[name].values, PRESCRIBED, "crank" if runs else ""),),
+            (Curve(time, dataset[name].values, PRESCRIBED),),
             units,
             spans=(ZERO, *stop),
         )
@@ -629,11 +583,7 @@ def plot_law(dataset: xr.Dataset) -> Picture:
             ("crank_acceleration", _ACCELERATION, "Acceleration"),
         )
     ]
-    if runs:
-        power = engine_panes(dataset, [("Driving\npower", dataset["driving_power"], POWER)])
-        panes += [replace(pane, spans=[*pane.spans, *stop]) for pane in power]
-    title = f"Motion of the crank\n{reading.conditions(dataset)}"
-    return over_time(dataset, panes, title)
+    return over_time(dataset, panes, f"Motion of the crank\n{reading.conditions(dataset)}")
 
 
 @figure

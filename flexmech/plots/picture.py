@@ -140,9 +140,8 @@ class Pane:
     spans : sequence of Span
     limits : (float, float), optional
         Limits of the axis along y.
-    scale : {"linear", "log", "plain log", "signed log"}
-        Scale of that axis: a logarithmic one has numbers in powers of ten, or in full, or is
-        logarithmic on either side of zero, with ticks.
+    scale : {"linear", "log", "plain log"}
+        Scale of that axis: a logarithmic one has numbers in powers of ten, or in full.
     ticks : sequence of float
         Along y; empty: as matplotlib chooses them.
     height : float
@@ -166,7 +165,7 @@ class Pane:
     title: str = ""
     spans: Sequence[Span] = ()
     limits: tuple[float, float] | None = None
-    scale: Literal["linear", "log", "plain log", "signed log"] = "linear"
+    scale: Literal["linear", "log", "plain log"] = "linear"
     ticks: Sequence[float] = ()
     height: float = 1.0
     along: str = ""

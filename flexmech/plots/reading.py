@@ -25,6 +25,7 @@ LENGTH_UNITS: Units = ((1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
 """Deflections are read in mm; an arm at constant speed hardly bends, and needs less."""
 FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
 TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
+POWER_UNITS: Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 STRAIN_UNITS: Units = ((1e6, "µm/m"),)
 # Least number of the largest value in a unit that can be read: axes write two decimals.
 LEAST_NUMBER = 0.01

@@ -115,6 +115,8 @@ def engine_panes(
 def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the driving torque and the pin forces against time, with those of rigid links.
 
+    Under a law of motion the driving power stands below the torque.
+
     Forces are those of the pins between links, or of the clamped joint where there is no
     pin, as far as the run's band lets them through: what the links vibrate along themselves
     is too fast to be told apart. Of each the magnitude and both components are drawn, of more
@@ -135,13 +137,16 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     pins = dataset.isel(joint=np.flatnonzero(dataset["joint_kind"].values == "pin"))
     shown = pins if pins.sizes["joint"] else dataset
     components = reading.names_of(dataset, "component")
-    if 1 + shown.sizes["joint"] * (1 + len(components)) > MOST_FORCE_PANELS:
+    of_shaft = 1 + ("driving_power" in dataset)
+    if of_shaft + shown.sizes["joint"] * (1 + len(components)) > MOST_FORCE_PANELS:
         components = []
     return draw(forces_picture(shown, components), ax=ax)
 
 
 def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Picture:
-    """Driving torque and the size of each joint's force, of elastic and of rigid links.
+    """Driving torque, power under a law, and the size of each joint's force.
+
+    Torque and forces stand beside those of rigid links.
 
     Parameters
     ----------
@@ -157,6 +162,9 @@ def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Pictu
     torque = dataset["driving_torque"], dataset["rigid_driving_torque"]
     curves = elastic_and_rigid(dataset, *torque)
     panes = [Pane("Driving\ntorque", curves, reading.TORQUE_UNITS, spans=(ZERO,))]
+    if "driving_power" in dataset:
+        power = "Driving\npower", dataset["driving_power"], reading.POWER_UNITS
+        panes += engine_panes(dataset, [power])
     for joint in reading.names_of(dataset, "joint"):
         forces = [dataset[name].sel(joint=joint) for name in ("joint_force", "rigid_joint_force")]
         parts = {"magnitude": [_magnitude(force) for force in forces]}

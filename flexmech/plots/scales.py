@@ -183,40 +183,6 @@ def log_scale(axes: Axes, low: float, high: float, *, plain: bool = False) -> No
         axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
 
 
-def signed_decades(
-    values: ArrayLike, decades: float
-) -> tuple[tuple[float, float], tuple[float, ...]]:
-    """Limits and ticks of an axis that is logarithmic on either side of zero.
-
-    Parameters
-    ----------
-    values : array_like
-        All that the axis shall hold; not a number is left out.
-    decades : float
-        Below the greatest size at which the axis becomes linear, odd.
-
-    Returns
-    -------
-    (float, float), tuple of float
-    """
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    top = float(np.floor(np.log10(max(high, -low) or 1.0)))
-    linear = 10.0 ** (top - decades)
-    # Of values of one sign the other side is left out, but for the linear part.
-    ends = (-linear if -low < linear else 2 * low), (linear if high < linear else 2 * high)
-    # Every other decade from the greatest down, the least of which keeps away from zero.
-    sizes = 10.0 ** np.arange(top, top - decades + 0.5, -2.0)
-    ticks = np.concatenate([-sizes, [0.0], sizes[::-1]])
-    return ends, tuple(ticks[(ticks >= ends[0]) & (ticks <= ends[1])].tolist())
-
-
-def signed_log_scale(axes: Axes, ticks: Sequence[float]) -> None:
-    """Make the y axis logarithmic on either side of zero, and linear below a tenth of its ticks."""
-    linear = 0.1 * min(abs(tick) for tick in ticks if tick)
-    axes.set_yscale("symlog", linthresh=linear, linscale=0.5)
-    axes.yaxis.set_minor_locator(ticker.NullLocator())
-
-
 def log_limits(values: ArrayLike, decades: float) -> tuple[float, float]:
     """Limits of a logarithmic axis for amplitudes, at most so many decades below the greatest.
 

@@ -1,23 +1,20 @@
-"""Spectra of the running linkage's deflections, whole and in time, with its natural frequencies."""
+"""Spectra of the running linkage's deflections, with its natural frequencies."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-import matplotlib.patheffects as effects
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from flexmech.arrays import FloatArray
-from flexmech.errors import InputError
 from flexmech.plots import reading, scales, style
 from flexmech.plots.drawing import drawing
-from flexmech.plots.layout import AxesLike, Layout, grid, sheet
+from flexmech.plots.layout import AxesLike, grid
 from flexmech.plots.picture import Curve, Note, Pane, Picture, Span
-from flexmech.plots.style import Look, line_handle, series_line, series_style
+from flexmech.plots.style import Look, series_line, series_style
 
 ONE_LINK = "choose one link (links=...)"
 
@@ -34,16 +31,6 @@ ORDER_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
 MOST_ORDERS, MOST_ORDER_LINES = 16, 100
 # Least distance of two labels in inches: the width of one.
 LABEL_ROOM = 0.15
-# Least distance of the names of two lines over the height of a panel: that of their letters.
-NAME_ROOM = 0.09
-
-DECIBELS = 60.0
-"""Levels this far below the maximum are drawn as the darkest."""
-# Levels this far below the maximum are told from the darkest at a glance; higher up is left out.
-SEEN = 40.0
-# White with a dark rim is seen on any colour, and the ridges between the dashes.
-RIM = [effects.Stroke(linewidth=2.0, foreground="black", alpha=0.6), effects.Normal()]
-PREDICTION: Look = {"color": "white", "lw": 0.8, "ls": (0.0, (4.0, 5.0)), "path_effects": RIM}
 
 
 def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -92,117 +79,9 @@ def spectrum_picture(dataset: xr.Dataset) -> Picture:
         dataset,
         reading.run_title(dataset),
         places=np.array([0.0, limit]),
-        layout=_layout(len(panes), 1.5, 2.2),
+        layout=grid(len(panes), 1, max(1.5 * len(panes), 2.2) + style.AXES_HEIGHT, sharex=True),
         fewer=ONE_LINK,
     )
-
-
-def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw how the spectrum of each link's deflection moves in time, one panel a link.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Dataset of a ``Response`` result with ``spectrogram``. Its first engine is drawn.
-    ax : Axes or sequence of Axes, optional
-        The user's, one a link. Left out: a new figure is made.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    InputError
-        If the dataset has no spectrogram.
-    """
-    if "spectrogram" not in dataset:
-        raise InputError("this response is too short for a spectrogram: ask for more revolutions")
-    first, links = dataset.isel(engine=0), reading.bending_links(dataset)
-    time = first["window_time"].values
-    with sheet(_layout(len(links), 1.75, 2.4), ax=ax, fewer=ONE_LINK) as drawn:
-        title = f"{reading.run_title(dataset)}, by {reading.engine_label(dataset)}"
-        if note := dataset.attrs.get("spectrogram_note"):
-            title += f"; {note}"
-        handles = [line_handle("predicted natural frequencies", **PREDICTION)]
-        drawn.header(handles, title, of=dataset)
-        for axes, link in zip(drawn.panels, links, strict=True):
-            mesh = _draw_levels(axes, first["spectrogram"].sel(link=link))
-            predicted = reading.values_of(first["natural_frequency"], "window_time", "mode")
-            axes.plot(time, predicted, **PREDICTION, marker="." if time.size == 1 else "")
-            axes.set_ylim(0.0, _highest_seen(first, links))
-            scales.plain_numbers(axes)
-            _name_lines(axes, predicted[-1], reading.names_of(dataset, "mode"))
-            axes.set_ylabel(f"{reading.link_label(dataset, link)}\nfrequency (Hz)")
-        scales.angle_axis(drawn.panels[0], dataset)
-        drawn.label_x("Time (s)")
-        of_what = "each panel's maximum" if len(links) > 1 else "maximum"
-        look: Look = {"extend": "min", "pad": 0.015, "aspect": 14 * len(links)}
-        drawn.colour_bar(mesh, f"Level relative to {of_what} (dB)", **look)
-    return drawn.figure
-
-
-def _name_lines(axes: Axes, ends: FloatArray, modes: list[str]) -> None:
-    """Write f1, f2, ... at the right ends of lines, apart from each other."""
-    low, high = axes.get_ylim()
-    inside = [(end, mode) for end, mode in zip(ends, modes, strict=True) if low < end < high]
-    least = NAME_ROOM * (high - low)
-    places = reading.spread(np.array([end for end, _ in inside]), least)
-    look: Look = {"ha": "right", "va": "center", "fontsize": style.LABEL_POINTS, "color": "white"}
-    look |= {"zorder": 5, "xycoords": ("axes fraction", "data"), "annotation_clip": False}
-    for place, (_, mode) in zip(places, inside, strict=True):
-        at = min(max(float(place), low + least / 2), high - least / 2)
-        axes.annotate(f"$f_{{{mode}}}$", (0.992, at), path_effects=RIM, **look)
-
-
-def _layout(links: int, panel: float, least: float) -> Layout:
-    """A stack of panels, one a link, between two axes along x.
-
-    Parameters
-    ----------
-    links : int
-    panel, least : float
-        Height of a panel, and of all together at least, in inches.
-
-    Returns
-    -------
-    Layout
-    """
-    return grid(links, 1, max(links * panel, least) + style.AXES_HEIGHT, sharex=True)
-
-
-def _highest_frequency(dataset: xr.Dataset, name: str) -> float:
-    """Highest frequency drawn in Hz: a little above the predictions, if there is data.
-
-    Parameters
-    ----------
-    dataset : Dataset
-    name : str
-        Name of the frequency coordinate.
-
-    Returns
-    -------
-    float
-    """
-    end = float(dataset[name].max())
-    if "natural_frequency" not in dataset:
-        return end
-    return min(end, REACH * float(dataset["natural_frequency"].max()))
-
-
-def _highest_seen(dataset: xr.Dataset, links: list[str]) -> float:
-    """Highest frequency of a spectrogram in Hz: above it nothing stands out from the dark.
-
-    The lowest natural frequency is seen in any case, though nothing may vibrate at it.
-    """
-    most = _highest_frequency(dataset, "window_frequency")
-    levels = dataset["spectrogram"].sel(link=links)
-    bright = levels > 10.0 ** (-SEEN / 20) * levels.max(("window_time", "window_frequency"))
-    seen = bright.any(("window_time", "link")).values
-    top = float(dataset["window_frequency"].values[seen].max()) if seen.any() else 0.0
-    if "natural_frequency" in dataset:
-        top = max(top, float(dataset["natural_frequency"].isel(mode=0).max()))
-    return min(most, REACH * top) if top else most
 
 
 def _bands(dataset: xr.Dataset) -> dict[int, tuple[float, float]]:
@@ -295,17 +174,3 @@ def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:
     for axes in panels:
         for order in labelled:
             axes.axvline(order * turning, color=style.MID_GREY, lw=0.5, ls=":", zorder=0.5)
-
-
-def _draw_levels(axes: Axes, amplitude: xr.DataArray) -> QuadMesh:
-    """Level in dB below the panel's maximum; the mesh, for the colour bar."""
-    values = reading.values_of(amplitude, "window_frequency", "window_time")
-    highest = float(np.nanmax(values, initial=0.0)) or 1.0
-    level = 20 * np.log10(np.maximum(values / highest, 10.0 ** (-2 * DECIBELS / 20)))
-    time, frequency = (
-        reading.cell_edges(amplitude[f"window_{name}"].values) for name in ("time", "frequency")
-    )
-    look: Look = {"vmin": -DECIBELS, "vmax": 0.0, "cmap": "viridis", "rasterized": True}
-    mesh = axes.pcolormesh(time, frequency, level, **look)
-    axes.set_xlim(time[0], time[-1])
-    return mesh

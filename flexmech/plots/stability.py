@@ -1,6 +1,6 @@
 """Stability over crank speed: growth rate, multipliers, unstable bands, Floquet modes.
 
-A map may go over a second parameter as well. Floquet modes have frequencies and harmonics.
+A map may go over a second parameter as well. Floquet modes have frequencies.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LinearSegmentedColormap, ListedColormap, LogNorm, Normalize
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from flexmech.errors import InputError
 from flexmech.plots import scales, style
 from flexmech.plots.campbell import ROOM
 from flexmech.plots.drawing import figure
-from flexmech.plots.layout import AxesLike, grid, sheet, tiles
+from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.picture import Choice, Curve, Note, Pane, Picture, Span
 from flexmech.plots.reading import (
     cell_edges,
@@ -443,9 +443,8 @@ def _words(dataset: xr.Dataset) -> str:
     return str(dataset["parameter"].attrs.get("long_name", "parameter"))
 
 
-# Of a figure on a wide and on a narrow page, where it is nearly square, and of a panel of a branch,
-# three rows of which fit half a page; in inches.
-HEIGHT, NARROW_HEIGHT, BRANCH_HEIGHT = 3.9, 3.2, 1.45
+# Of a figure on a wide and on a narrow page, where it is nearly square, in inches.
+HEIGHT, NARROW_HEIGHT = 3.9, 3.2
 # Points are seen on it.
 FILL: Look = {"alpha": 0.22, "lw": 0}
 # Size of marks, in points: they show where many branches lie close to each other.
@@ -453,10 +452,6 @@ POINT_SIZE = 2.2
 # Part of the lowest mean frequency at which the axis begins: the linkage may be near to
 # buckling, where the lowest frequency is zero, which has no place on a logarithmic axis.
 LOWEST_PART = 0.4
-# Harmonics of the lowest branches are drawn: those of the natural frequencies asked for by default.
-MOST_BRANCHES = 4
-# Lesser parts of a mode are white: they are of the order of the harmonics left out.
-LEAST_SHARE = 1e-4
 
 
 @figure
@@ -503,58 +498,6 @@ def plot_floquet_frequencies(dataset: xr.Dataset) -> Picture:
     label = f"Crank speed ({speed_unit(dataset)})"
     layout, title = grid(1, 1, height + style.AXES_HEIGHT), "Floquet frequencies"
     return Picture([pane], label, dataset, title, over="speed", places=speed, layout=layout)
-
-
-def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw which harmonics of the crank the Floquet modes are made of, a panel a branch.
-
-    The darker, the greater a part of the mode's mean square displacement is in the harmonic,
-    counted from the largest one: a mode that does not change along the turn has the harmonic 0
-    alone. Of the first engine and of the four lowest branches.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Dataset of a ``StabilityMap`` result.
-    ax : Axes or sequence of Axes, optional
-        The user's, one a branch. Left out: a new figure is made.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    InputError
-        If there is an equilibrium at no speed.
-    """
-    share = dataset["harmonic_share"].isel(engine=0)
-    if not np.isfinite(share).any():
-        raise InputError(NOTHING)
-    first = values_of(share, "multiplier", "harmonic", "crank_speed")[::2][:MOST_BRANCHES]
-    speed = speeds_of(dataset.sortby("crank_speed"))
-    first = first[..., np.argsort(dataset["crank_speed"].values)]
-    number, order = len(first), dataset["harmonic"].values.astype(float)
-    layout = tiles(number, 2, BRANCH_HEIGHT, extra=0.6, sharex=True, sharey=True)
-    with sheet(layout, ax=ax) as drawn:
-        key = Patch(color=style.MID_GREY, label="the darker, the greater a part of the mode")
-        drawn.header([key], "Harmonics of the Floquet modes", of=dataset)
-        for branch, axes in enumerate(drawn.panels):
-            cells = axes.pcolormesh(
-                cell_edges(speed),
-                cell_edges(order),
-                np.clip(first[branch], LEAST_SHARE, 1.0),
-                norm=LogNorm(LEAST_SHARE, 1.0),
-                cmap="Greys",
-                rasterized=True,
-            )
-            axes.set_xlim(*cell_edges(speed)[[0, -1]])
-            axes.set_yticks(order[:: 2 if len(order) > 3 else 1])
-            drawn.title(axes, f"Branch {branch + 1}", loc="left")
-        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
-        drawn.label_y("Harmonic of the crank")
-        drawn.colour_bar(cells, "Part of the mean square")
-    return drawn.figure
 
 
 def _limits(dataset: xr.Dataset, frequency: FloatArray) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,7 +28,7 @@ from flexmech.report.moving_linkage import (
     moving_linkage,
     plotly_source,
 )
-from flexmech.report.panel import Panel
+from flexmech.report.panel import Panel, Reading
 from flexmech.report.panels import panels_of
 from flexmech.report.results import Results
 from flexmech.units import ANGULAR_SPEED, parse_quantity
@@ -265,21 +265,13 @@ def _plain(item: Any, arrays: Arrays) -> Any:
     """What a panel is made of as JSON has it: fields by name, arrays by their numbers."""
     if isinstance(item, np.ndarray):
         return arrays.add(item)
-    if is_dataclass(item):
-        return {
-            _camel(each.name): _plain(getattr(item, each.name), arrays) for each in fields(item)
-        }
+    if isinstance(item, Reading):
+        item = vars(item)
     if isinstance(item, Mapping):
-        return dict(item)
-    if isinstance(item, tuple):
+        return {name: _plain(value, arrays) for name, value in item.items()}
+    if isinstance(item, list | tuple):
         return [_plain(each, arrays) for each in item]
     return None if isinstance(item, float) and not np.isfinite(item) else item
-
-
-def _camel(name: str) -> str:
-    """A name as scripts write it."""
-    first, *others = name.split("_")
-    return first + "".join(map(str.capitalize, others))
 
 
 def _choices(
@@ -290,7 +282,7 @@ def _choices(
     for panel in panels:
         asked += [dict(each.when) for each in panel.readings]
         for plot in panel.plots:
-            asked += [{**trace.when, **(trace.followed or {})} for trace in plot.traces]
+            asked += [{**one["when"], **(one["followed"] or {})} for one in plot["traces"]]
     for part in ("shapes", "runs"):
         asked += [] if linkage is None else [each["when"] for each in linkage[part]]
     choices = {}

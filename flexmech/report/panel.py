@@ -9,8 +9,8 @@ Plots are pictures of ``flexmech.plots``, drawn by plotly, with a cursor.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cache, wraps
 from importlib import resources
 from typing import Any, Literal
@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.colors import to_hex, to_rgb, to_rgba
 
-from flexmech.analyses import Summary, Table
+from flexmech.analyses import Result, Summary, Table
 from flexmech.arrays import FloatArray
 from flexmech.plots.picture import ZERO, Choice, Curve, Pane, Picture, Span
 from flexmech.plots.reading import speed_unit
@@ -48,122 +48,21 @@ CURSORS: dict[str, Literal["angle", "speed", "point", "none"]] = {
     "plane": "point",
 }
 DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
+TRACE = {
+    "look": "solid",
+    "symbol": "",
+    "followed": None,
+    "angle": None,
+    "fill": "none",
+    "label": "",
+}
+"""A trace but for its numbers: ``look`` is dashes as plotly has them or ``points``, ``symbol`` the
+mark of points, ``followed`` what must be chosen besides for the cursor's dot to be on it."""
 
 
-@dataclass(frozen=True)
-class Trace:
-    """A line or points of a plot.
-
-    Parameters
-    ----------
-    name : str
-        For legend and hover; traces of one name share one entry of the legend.
-    x, y : ndarray, shape (n,)
-    colour : str
-        Any that a browser knows, or ``"critical"``, which is that of letters.
-    look : str
-        Dashes of a line as plotly has them, or ``"points"``.
-    width : float
-        Width of the line, or of points, in pixels.
-    symbol : str
-        Symbol of points, or of those on a line; empty: the line has none.
-    when : mapping
-        What the reader must have chosen for it to be shown.
-    followed : mapping or None
-        What he must have chosen besides for the cursor's dot to be on it; None: never.
-    axis : int
-        Which of the plot's axes it belongs to, from 0.
-    angle : ndarray, shape (n,), optional
-        Crank angle in degrees of each point, where ``x`` is something else.
-    fill : {"none", "to previous", "itself"}
-    legend : bool
-        Whether the legend names it.
-    label : str
-        Text at its last point.
-    """
-
-    name: str
-    x: FloatArray
-    y: FloatArray
-    colour: int | str = 0
-    look: str = "solid"
-    width: float = 1.6
-    symbol: str = ""
-    when: Choice = field(default_factory=dict)
-    followed: Choice | None = None
-    axis: int = 0
-    angle: FloatArray | None = None
-    fill: Literal["none", "to previous", "itself"] = "none"
-    legend: bool = True
-    label: str = ""
-
-
-@dataclass(frozen=True)
-class YAxis:
-    """A vertical axis; several of them stand above each other over one horizontal axis.
-
-    Parameters
-    ----------
-    title : str
-    logarithmic : bool
-    ends : tuple of float
-        Ends of a linear axis; empty: those of the traces.
-    height : float
-        Over that of other axes.
-    """
-
-    title: str
-    logarithmic: bool = False
-    ends: tuple[float, ...] = ()
-    height: float = 1.0
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A plot that can be zoomed, with a cursor that the script moves.
-
-    Parameters
-    ----------
-    name : str
-        Letters, digits and hyphens; unique in the report.
-    x_title : str
-    axes : tuple of YAxis
-        From the top.
-    traces : tuple of Trace
-    text : str
-        What is to be seen, for those who do not see it.
-    cursor : {"angle", "speed", "point", "none"}
-        A vertical line at the crank angle in degrees or at the crank speed, with dots on the
-        lines; dots alone, at the place of the crank angle; or nothing.
-    speed_scale : float
-        Units of the horizontal axis in a rad/s, for a cursor of speed.
-    equal : bool
-        Whether both axes have one scale.
-    tick : float, optional
-        Distance of the ticks along x.
-    height : int
-        In pixels.
-    title : str
-        Above the plot, where a panel has several.
-    ends : tuple of float
-        Ends of the horizontal axis; empty: those of the traces.
-    named : tuple of str
-        What stands at 1, 2, 3 and so on along it; empty: numbers.
-    """
-
-    name: str
-    x_title: str
-    axes: tuple[YAxis, ...]
-    traces: tuple[Trace, ...]
-    text: str
-    cursor: Literal["angle", "speed", "point", "none"] = "none"
-    speed_scale: float = 1.0
-    equal: bool = False
-    tick: float | None = None
-    height: int = LEAST_HEIGHT
-    title: str = ""
-    ends: tuple[float, ...] = ()
-    named: tuple[str, ...] = ()
+Plot = dict[str, Any]
+"""A picture as the page's script has it, which draws it by plotly with a cursor: names, numbers,
+texts and arrays."""
 
 
 def plotted(name: str, picture: Picture, title: str = "") -> Plot:
@@ -179,42 +78,49 @@ def plotted(name: str, picture: Picture, title: str = "") -> Plot:
 
     Returns
     -------
-    Plot
+    dict
+        ``name``, ``title``, ``height`` in pixels, ``text`` for those who do not see it, ``axes``
+        along y from the top, ``traces``, and of the axis along x ``xTitle``, ``ends``, ``tick``,
+        ``named`` and ``equal``, whether both axes have one scale. ``cursor`` is a line at the crank
+        ``angle`` or ``speed``, a ``point`` at the crank angle, or ``none``; ``speedScale`` is in
+        units of the axis in a rad/s.
     """
     panes = [pane for pane in picture.panes if not pane.apart]
     shown = replace(picture, panes=panes).in_units()
-    alone = (LEAST_HEIGHT - FRAME_HEIGHT) / PANE_HEIGHT if len(shown.panes) == 1 else 1.0
-    axes = tuple(
-        YAxis(
-            _beside(pane.label or pane.title.partition(",")[0], max(pane.height, alone)),
-            pane.scale != "linear",
-            pane.limits if pane.limits and pane.scale == "linear" else (),
-            pane.height,
-        )
+    alone = (LEAST_HEIGHT - FRAME_HEIGHT) / PANE_HEIGHT if len(panes) == 1 else 1.0
+    labels = [
+        _beside(pane.label or pane.title.partition(",")[0], max(pane.height, alone))
         for pane in shown.panes
-    )
-    traces = tuple(_traces(shown))
+    ]
+    traces = list(_traces(shown))
     ends = shown.places[[0, -1]] if len(shown.places) > 1 else np.zeros(0)
-    if ends.size and any(one.symbol for one in traces):
+    if ends.size and any(trace["symbol"] for trace in traces):
         ends = ends + MARK_ROOM * np.ptp(ends) * np.array([-1.0, 1.0])
-    along = shown.x_label
-    seen = ", ".join(axis.title for axis in axes).replace("<br>", " ")
+    along, seen = shown.x_label, ", ".join(labels).replace("<br>", " ")
     seen = f"{shown.y_label}: {seen}" if shown.y_label else seen
-    return Plot(
-        name,
-        along,
-        axes,
-        traces,
-        f"{seen} against {along[:1].lower()}{along[1:]}",
-        CURSORS[shown.over],
-        from_si(1.0, speed_unit(shown.of)) if shown.over == "speed" else 1.0,
-        equal=shown.over == "plane",
-        tick=60.0 if shown.over == "angle" else None,
-        height=max(LEAST_HEIGHT, round(FRAME_HEIGHT + PANE_HEIGHT * sum(a.height for a in axes))),
-        title=title or shown.y_label,
-        ends=tuple(ends.tolist()),
-        named=tuple(map(_markup, shown.panes[0].named)),
-    )
+    height = FRAME_HEIGHT + PANE_HEIGHT * sum(pane.height for pane in panes)
+    return {
+        "name": name,
+        "title": title or shown.y_label,
+        "text": f"{seen} against {along[:1].lower()}{along[1:]}",
+        "height": max(LEAST_HEIGHT, round(height)),
+        "xTitle": along,
+        "axes": [_axis(*pair) for pair in zip(labels, shown.panes, strict=True)],
+        "traces": traces,
+        "cursor": CURSORS[shown.over],
+        "speedScale": from_si(1.0, speed_unit(shown.of)) if shown.over == "speed" else 1.0,
+        "equal": shown.over == "plane",
+        "tick": 60.0 if shown.over == "angle" else None,
+        "ends": ends.tolist(),
+        "named": list(map(_markup, shown.panes[0].named)),
+    }
+
+
+def _axis(title: str, pane: Pane) -> dict[str, Any]:
+    """An axis along y, with its ends where it is linear; without them they are the traces'."""
+    linear = pane.scale == "linear"
+    ends = list(pane.limits or ()) if linear else []
+    return {"title": title, "logarithmic": not linear, "ends": ends, "height": pane.height}
 
 
 def _beside(label: str, height: float) -> str:
@@ -229,59 +135,45 @@ def _markup(label: str) -> str:
     return label.replace("\n", "<br>").replace(r"\$", "$")
 
 
-def _traces(picture: Picture) -> Iterator[Trace]:
+def _traces(picture: Picture) -> Iterator[dict[str, Any]]:
     """Traces of all panes, those further back first; the legend names each of a name once."""
     named = set[tuple[str, ...]]()
     for axis, pane in enumerate(picture.panes):
-        for span in pane.spans:
-            if span.look is not ZERO.look:
-                key = (span.name, *span.when.values())
-                yield from _of_span(span, pane, axis, legend=bool(span.name) and key not in named)
-                named.add(key)
-        for curve in sorted(pane.curves, key=lambda one: float(one.look.get("zorder", 2.0))):
-            key = (curve.name, *curve.when.values())
-            yield from _of_curve(curve, axis, legend=bool(curve.name) and key not in named)
+        drawn: list[Curve | Span] = [one for one in pane.spans if one.look is not ZERO.look]
+        drawn += sorted(pane.curves, key=lambda one: float(one.look.get("zorder", 2.0)))
+        for one in drawn:
+            key = (one.name, *one.when.values())
+            legend = bool(one.name) and key not in named
+            made = _of_span(one, pane) if isinstance(one, Span) else _of_curve(one)
+            common = {"name": _markup(one.name), "when": dict(one.when), "axis": axis}
+            for trace in made:
+                yield TRACE | common | {"legend": legend} | trace
             named.add(key)
 
 
-def _of_curve(curve: Curve, axis: int, *, legend: bool) -> Iterator[Trace]:
+def _of_curve(curve: Curve) -> Iterator[dict[str, Any]]:
     """A line or points, or both edges of a band."""
-    common: dict[str, Any] = {"when": curve.when, "axis": axis, "angle": curve.angle}
-    name, colour = _markup(curve.name), _colour(curve.look)
+    common = {"x": curve.x, "angle": curve.angle, "colour": _colour(curve.look)}
     if curve.upto is not None:
-        yield Trace(name, curve.x, curve.y, colour, width=0.0, legend=False, **common)
-        yield Trace(
-            name,
-            curve.x,
-            curve.upto,
-            colour,
-            width=0.0,
-            fill="to previous",
-            legend=legend,
-            **common,
-        )
+        yield common | {"y": curve.y, "width": 0.0, "legend": False}
+        yield common | {"y": curve.upto, "width": 0.0, "fill": "to previous"}
         return
-    look = _dashes(curve.look)
+    look, y = _dashes(curve.look), curve.y
     # Where some points of a line are marked, the page marks none.
     marker = "" if "markevery" in curve.look else curve.look.get("marker", "")
     symbol = SYMBOLS.get(str(marker), "")
     size = float(curve.look["ms" if "ms" in curve.look else "markersize"]) if symbol else 4.0
     if curve.look.get("drawstyle") == "steps-post":
-        curve = replace(curve, x=np.repeat(curve.x, 2)[1:], y=np.repeat(curve.y, 2)[:-1])
+        common["x"], y = np.repeat(curve.x, 2)[1:], np.repeat(y, 2)[:-1]
     width = PIXELS * (size if look == "points" else _line_width(curve.look))
     # Grey is what stands behind, but black may be all that there is.
     behind = _is_grey(curve.look) and curve.look["color"] != "black"
     followed = None if look == "points" or behind else curve.followed
-    yield Trace(
-        *(name, curve.x, curve.y, colour, look, width, symbol),
-        followed=followed,
-        legend=legend,
-        label=_markup(curve.label),
-        **common,
-    )
+    drawn = {"look": look, "width": width, "symbol": symbol}
+    yield common | drawn | {"y": y, "followed": followed, "label": _markup(curve.label)}
 
 
-def _of_span(span: Span, pane: Pane, axis: int, *, legend: bool) -> Iterator[Trace]:
+def _of_span(span: Span, pane: Pane) -> Iterator[dict[str, Any]]:
     """A line, or a rectangle, across what the curves of a pane take; none without curves."""
     across = np.concatenate([np.ravel(one.y if span.upright else one.x) for one in pane.curves])
     if not np.isfinite(across).any():
@@ -290,17 +182,15 @@ def _of_span(span: Span, pane: Pane, axis: int, *, legend: bool) -> Iterator[Tra
     if span.upright and pane.limits:
         ends = np.array(pane.limits)
     ends[1] = ends[0] + span.look.get("ymax", 1.0) * (ends[1] - ends[0])
-    common: dict[str, Any] = {"axis": axis, "legend": legend, "when": span.when}
+    places = ends, np.full(2, span.low)
     if span.is_filled:
-        corners = np.append(ends, ends[::-1]), np.repeat([span.low, span.high], 2)
-        colour = _stripe(span.look)
-        x, y = corners[::-1] if span.upright else corners
-        yield Trace(_markup(span.name), x, y, colour, width=1.0, fill="itself", **common)
-        return
-    line = ends, np.full(2, span.low)
-    x, y = line[::-1] if span.upright else line
-    look, width = _dashes(span.look), PIXELS * _line_width(span.look)
-    yield Trace(_markup(span.name), x, y, _colour(span.look), look, width, **common)
+        places = np.append(ends, ends[::-1]), np.repeat([span.low, span.high], 2)
+        look = {"colour": _stripe(span.look), "width": 1.0, "fill": "itself"}
+    else:
+        width = PIXELS * _line_width(span.look)
+        look = {"colour": _colour(span.look), "width": width, "look": _dashes(span.look)}
+    x, y = places[::-1] if span.upright else places
+    yield {"x": x, "y": y} | look
 
 
 def _stripe(look: Look) -> str:
@@ -384,7 +274,8 @@ class Panel:
         What was solved, as text.
     source : str
         Where the equation stands.
-    plots : tuple of Plot
+    plots : tuple of dict
+        As :func:`plotted` makes them.
     drawings : tuple of (str, str)
         Drawings that do not move: SVG, and what is to be seen in it.
     readings : tuple of Reading
@@ -453,7 +344,13 @@ def shows(kind: type[Kind]) -> Callable[[Callable[[Kind, Results], Panel | None]
     return of_results
 
 
-def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **parts: Any) -> Panel:
+def panel_of(
+    name: str,
+    said: Summary | Iterable[tuple[str, Summary]] = (),
+    variant: str = "",
+    /,
+    **parts: Any,
+) -> Panel:
     """A panel with the words that ``panels.toml`` has for it.
 
     Keywords are fields of the panel; others fill in the caption.
@@ -462,9 +359,9 @@ def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **par
     ----------
     name : str
         Name of the panel, and of its table in the file.
-    said : Summary, optional
-        Summary of the result: its answer, table and warnings are the panel's, and all else is
-        folded.
+    said : Summary or iterable of (str, Summary)
+        Summary of the result, or of several, each with words that its lines begin with: answers,
+        tables and warnings are the panel's, and all else is folded.
     variant : str
         Which of several tables of words, where the panel has several.
 
@@ -476,30 +373,40 @@ def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **par
     words = words[variant] if variant else words
     texts = {key: parts.pop(key) for key in set(parts) - set(Panel.__dataclass_fields__)}
     words = words | {"caption": words["caption"].format(**texts)}
-    if said is not None:
-        own: dict[str, Any] = {
-            "answer": said.answer,
-            "tables": () if said.table is None else (said.table,),
-            "folded": tuple(part for part in said.details if not isinstance(part, str)),
-            "lines": further_lines(said),
-            "warnings": said.warnings,
-        }
-        parts = own | parts
-    return Panel(name, **(words | parts))
+    pairs = [("", said)] if isinstance(said, Summary) else list(said)
+    warnings = [f"{at}{line}" for at, one in pairs for line in one.warnings]
+    details = [part for _, one in pairs for part in one.details]
+    found: dict[str, tuple[Any, ...]] = {
+        "answer": tuple(f"{at}{line}" for at, one in pairs for line in one.answer),
+        "tables": tuple(one.table for _, one in pairs if one.table is not None),
+        "folded": tuple(part for part in details if not isinstance(part, str)),
+        "lines": tuple(f"{at}{line}" for at, one in pairs for line in further_lines(one)),
+        "warnings": tuple(dict.fromkeys(warnings)),
+    }
+    return Panel(name, **(words | found | parts))
 
 
 def further_lines(said: Summary) -> tuple[str, ...]:
-    """What a result says after its answer: how far it is known, and all else.
+    """What a result says after its answer: how far it is known, and all else."""
+    return tuple(line for line in said.lines if line not in said.answer)
+
+
+def told_apart(results: Sequence[Result], names: Iterable[str]) -> list[tuple[str, Summary]]:
+    """Summaries of results, lines of which begin with their names, but of one alone.
 
     Parameters
     ----------
-    said : Summary
+    results : sequence of Result
+    names : iterable of str
+        What tells each from the others.
 
     Returns
     -------
-    tuple of str
+    list of (str, Summary)
+        For :func:`panel_of`.
     """
-    return tuple(line for line in said.lines if line not in said.answer)
+    begun = [f"{name}: " if len(results) > 1 else "" for name in names]
+    return [(name, one.summary()) for name, one in zip(begun, results, strict=True)]
 
 
 @cache

@@ -11,6 +11,7 @@ the change comes from the frame, which is of metal and takes up no water.
 
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -81,9 +82,22 @@ for resin, rise in (("R-914", RISE), ("R-914", rise_of(FIGURE)), ("8551-7", RISE
     states.append(wet.assign_coords(state=f"{resin}, {state.label}"))
 found = xr.concat(states, "state", data_vars="minimal", join="exact")
 found.attrs["mechanism"] = "Four-bar of neat resin, Figures 3 and 4 of Singh & Sanyal 2022"
-plots.plot_coupler_angles(found).savefig("angles.png")
 change = change_of(found["angle"])
 names, links = change["state"].values.tolist(), change["link"].values.tolist()
+with plots.publication_style():
+    figure, panels = plt.subplots(2, 2, sharex=True, layout="constrained", figsize=(7.1, 4.6))
+    crank, angle = np.degrees(found["crank_angle"]), np.degrees(found["angle"])
+    for column, link in zip(panels.T, links, strict=True):
+        for axes, (what, drawn) in zip(column, (("", angle), (", change", change)), strict=True):
+            for state in drawn["state"].values.tolist():
+                number = found["state"].values.tolist().index(state)
+                line = plots.series_line(number) | {"label": state}
+                axes.plot(crank, drawn.sel(state=state, link=link), **line)
+            axes.set(title=f"{link.capitalize()}{what}", ylabel="Angle (deg)")
+        column[-1].set_xlabel("Crank angle (deg)")
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    figure.savefig("angles.png")
 
 most = abs(change).max(["crank_angle", "link"])
 claims = [

@@ -105,7 +105,7 @@ def test_pictures_are_those_that_there_is_data_for(command, rough_pictures):
     ended = command("frequencies", model, *COARSE, "--engine", "reference", "--speeds", "0,10")
     pictures = {name for name in ended.files if name.endswith(".png")}
     assert pictures == {
-        *("damping_ratio.png", "frequencies.png", "mode_shapes.png", "speed_effect.png"),
+        *("damping.png", "frequencies.png", "mode_shapes.png", "speed_effect.png"),
     }
     damped = ended.table("frequencies")["damping_ratio"]
     assert (damped > 0).all()

@@ -135,15 +135,11 @@ def test_a_vibration_too_fast_to_be_drawn_is_its_envelope() -> None:
             ),
             "speed_effect=True",
         ),
-        (
-            lambda: plots.plot_spectrogram(results.response().dataset.drop_dims("window_time")),
-            "too short",
-        ),
         (lambda: plots.plot_impact_shapes(results.hammer().dataset), "--grid N"),
         (lambda: plots.plot_designs(failed_designs()), "no design can be computed"),
         (lambda: plots.page_width(30.0).__enter__(), "between 80 and 400 mm"),
     ],
-    ids=["one engine", "one state", "no terms", "short run", "no grid", "no design", "width"],
+    ids=["one engine", "one state", "no terms", "no grid", "no design", "width"],
 )
 def test_what_lacks_for_a_figure_is_named(plot: object, words: str) -> None:
     with pytest.raises(InputError, match=words):

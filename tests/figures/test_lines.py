@@ -89,19 +89,6 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(0, "Natural frequency (Hz)", lambda d: d["mean_frequency"][0]),
         Row(0, "Natural frequency (Hz)", lambda d: d["highest_frequency"][0]),
     ],
-    plots.plot_coupler_angles: [
-        Row(0, r"$\theta_3$ (deg)", lambda d: np.degrees(d["angle"].sel(link="coupler"))),
-        Row(
-            3,
-            r"Change of $\theta_4$ (deg)",
-            lambda d: np.degrees(
-                d["angle"].sel(link="rocker")[1] - d["angle"].sel(link="rocker")[0]
-            ),
-        ),
-    ],
-    plots.plot_damping_ratio: [
-        Row(1, "Damping ratio (%)", lambda d: 100 * d["damping_ratio"][0, 1]),
-    ],
     plots.plot_drive: [
         Row(0, "Torque (N m)", lambda d: d["driving_torque"]),
         Row(0, "Torque (N m)", lambda d: d["lumped_driving_torque"]),
@@ -139,11 +126,6 @@ DRAWN: dict[Plot, list[Row]] = {
             lambda d: np.degrees(np.arctan2(receptance(d).imag, receptance(d).real)),
         ),
     ],
-    plots.plot_frf_parts: [
-        Row(0, "Re receptance (m/N)", lambda d: receptance(d, "identified_receptance").real),
-        Row(4, "Im mobility (m/(N s))", lambda d: (turning(d) * receptance(d)).imag),
-        Row(5, "Im accelerance (m/(N s²))", lambda d: (turning(d) ** 2 * receptance(d)).imag),
-    ],
     plots.plot_hammer: [Row(2, "Coherence", lambda d: d["coherence"][0])],
     plots.plot_harmonic_frf: [
         Row(0, "|H₋₁| (m/N)", lambda d: abs(harmonic(d, -1))),
@@ -174,12 +156,11 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(0, "Angle (deg)", lambda d: np.degrees(d["crank_angle"])),
         Row(1, "Speed (rad/s)", lambda d: d["crank_speed_over_time"]),
         Row(2, "Acceleration (rad/s²)", lambda d: d["crank_acceleration"]),
-        Row(3, "Driving power (W)", lambda d: d["driving_power"]),
     ],
     plots.plot_mechanism: [
         Row(2, "Transmission angle (deg)", lambda d: np.degrees(d["transmission_angle"])),
     ],
-    plots.plot_modal_damping: [
+    plots.plot_damping: [
         Row(1, "Damping ratio (%)", lambda d: 100 * d["strain_energy_damping"][0, 1]),
     ],
     plots.plot_moisture: [
@@ -252,9 +233,6 @@ DRAWN: dict[Plot, list[Row]] = {
             "Coupler middle deflection (mm)",
             lambda d: 1e3 * d["shaped_deflection"].sel(link="coupler"),
         ),
-    ],
-    plots.plot_spectrogram: [
-        Row(1, "Coupler middle frequency (Hz)", lambda d: d["natural_frequency"][0])
     ],
     plots.plot_spectrum: [
         Row(

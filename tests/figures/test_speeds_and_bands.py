@@ -86,15 +86,6 @@ def test_growth_is_drawn_at_the_speeds_asked_for_and_its_bands_are_shaded() -> N
         assert any(np.allclose(pair, ends) for pair in shaded)
 
 
-def test_harmonics_of_floquet_modes_are_cells_over_speed() -> None:
-    data = data_of(plots.plot_floquet_harmonics)
-    axes = panels(figure_of(plots.plot_floquet_harmonics))[0]
-    cells = np.ma.getdata(axes.collections[0].get_array())
-    shares = data["harmonic_share"].isel(engine=0).transpose("multiplier", "harmonic", ...).values
-    assert cells.shape == (data.sizes["harmonic"], data.sizes["crank_speed"])
-    assert any(np.allclose(cells, of_multiplier) for of_multiplier in shares)
-
-
 def test_growth_against_a_second_parameter_is_coloured_where_it_grows() -> None:
     data = data_of(plots.plot_stability_against)
     axes = panels(figure_of(plots.plot_stability_against))[0]
@@ -152,13 +143,3 @@ def test_bands_of_a_spectrum_are_those_of_the_whole_turn_however_short_the_run()
         data = flexmech.response(engine, asked).dataset
         for end, most in zip(ENDS, (over_turn.min(axis=0), over_turn.max(axis=0)), strict=True):
             np.testing.assert_allclose(data[f"{end}_natural_frequency"], most, rtol=2e-3)
-
-
-def test_the_spectrogram_holds_levels_below_the_greatest_of_its_panel() -> None:
-    data = data_of(plots.plot_spectrogram)
-    axes = panels(figure_of(plots.plot_spectrogram))[1]
-    amplitude = data["spectrogram"].isel(engine=0).sel(link="coupler").values
-    level = 20 * np.log10(amplitude / amplitude.max())
-    mesh = axes.collections[0]
-    np.testing.assert_allclose(mesh.get_array().reshape(level.shape), level, atol=1e-9)
-    assert mesh.get_clim() == (-60.0, 0.0)

@@ -41,7 +41,6 @@ FILES = (
     "speed_effect.png",
     "vibration_effect.png",
     "damping.png",
-    "damping_ratio.png",
     "mode_shapes.png",
     "mode_shapes_*.png",
     "agreement.png",
@@ -234,9 +233,9 @@ class MovingFrequencies(Result):
         for variable, name, draw in (
             ("speed_effect", "speed_effect", plots.plot_speed_effect),
             ("quasi_static_frequency", "vibration_effect", plots.plot_vibration_effect),
-            ("strain_energy_damping", "damping", plots.plot_modal_damping),
+            ("strain_energy_damping", "damping", plots.plot_damping),
             # Estimated where there is Kelvin-Voigt damping alone.
-            ("damping_ratio_reduction_error", "damping_ratio", plots.plot_damping_ratio),
+            ("damping_ratio_reduction_error", "damping", plots.plot_damping),
         ):
             if variable in data:
                 figures[name] = draw(data)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flexmech.analyses import CrankRockerSynthesis
-from flexmech.report.panel import Panel, PanelMaker, further_lines, panel_of
+from flexmech.report.panel import Panel, PanelMaker, panel_of
 from flexmech.report.panels.designs import optimum_panel, sweep_panel, uncertainty_panel
 from flexmech.report.panels.frequencies import (
     campbell_panel,
@@ -36,15 +36,11 @@ def other_panel(results: Results) -> Panel | None:
     found = [each for each in results.all if isinstance(each, CrankRockerSynthesis)]
     if not found:
         return None
-    said = [each.summary() for each in found]
     sources = dict.fromkeys(str(each.dataset.attrs.get("source", "")) for each in found)
     return panel_of(
         "further-results",
+        [("", each.summary()) for each in found],
         source=", ".join(sources),
-        answer=tuple(line for one in said for line in one.answer),
-        tables=tuple(table for one in said for table in one.tables),
-        lines=tuple(line for one in said for line in further_lines(one)),
-        warnings=tuple(warning for one in said for warning in one.warnings),
         titles=", ".join(each.title for each in found),
     )
 

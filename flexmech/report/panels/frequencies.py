@@ -4,29 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses import CampbellDiagram, MovingFrequencies, StabilityMap, Table
-from flexmech.analyses.digits import decimals_of, with_error
+from flexmech.analyses import CampbellDiagram, MovingFrequencies, StabilityMap
+from flexmech.analyses.digits import decimals_of
 from flexmech.analyses.frequencies.damping import error_of_damping
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.arrays import FloatArray
-from flexmech.plots.frequencies import damping_picture
+from flexmech.plots.frequencies import damping_of
 from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import degrees, names_of, speed_label
 from flexmech.report import panel
 from flexmech.report.panel import Plot, plotted
-from flexmech.report.results import (
-    Results,
-    speed_name,
-    speed_unit_of,
-    state_of,
-)
-from flexmech.units import from_si
+from flexmech.report.results import Results, speed_name, speed_unit_of, state_of
 
 STRESSES = {
     "none": "links without stress",
@@ -52,7 +45,8 @@ def frequency_panel(result: MovingFrequencies, results: Results) -> panel.Panel:
         result.summary(),
         plots=(_frequency_plot(result, unit),),
         readings=tuple(_readings(result, unit)),
-        folded=_tables(result, unit),
+        # The table is of the last state; what it is against comes first.
+        folded=tuple(t for name in result.states[:1] for t in result.state(name).summary().tables),
         stress=STRESSES[str(attrs["prestress"])],
         terms=_terms(str(attrs.get("rotation_terms", "off"))),
     )
@@ -69,20 +63,17 @@ def _terms(counted: str) -> str:
 @panel.shows(MovingFrequencies)
 def damping_panel(result: MovingFrequencies, results: Results) -> panel.Panel | None:
     """Damping ratios over crank angle, where any link damps."""
-    variable = _damping_of(result.dataset)
-    if not variable:
+    if not _is_damped(result.dataset):
         return None
+    variable = damping_of(result.dataset)
     lines = tuple(line for line in result.summary().lines if "damping" in line)
-    shown = _of_each(result, partial(damping_picture, name=variable))
-    plot = plotted(variable.replace("_", "-"), shown)
-    return panel.panel_of("damping", None, variable, plots=(plot,), lines=lines)
+    plot = plotted(variable.replace("_", "-"), _of_each(result, plots.plot_damping.picture))
+    return panel.panel_of("damping", (), variable, plots=(plot,), lines=lines)
 
 
-def _damping_of(data: xr.Dataset) -> str:
-    """Which damping ratio a map holds; empty where nothing damps."""
-    if "strain_energy_damping" in data:
-        return "strain_energy_damping"
-    return "damping_ratio" if "damping_ratio_reduction_error" in data else ""
+def _is_damped(data: xr.Dataset) -> bool:
+    """Whether links damp: of Kelvin-Voigt damping the error of the ratio is estimated."""
+    return "strain_energy_damping" in data or "damping_ratio_reduction_error" in data
 
 
 def _values(data: xr.Dataset, name: str, engine: str, speed: float, mode: int) -> FloatArray:
@@ -134,7 +125,7 @@ def _frequency_plot(result: MovingFrequencies, unit: str) -> Plot:
 def _readings(result: MovingFrequencies, unit: str) -> list[panel.Reading]:
     """Frequency and damping ratio of each mode at the crank angle."""
     readings = []
-    damping = _damping_of(result.dataset)
+    damping, damped = damping_of(result.dataset), _is_damped(result.dataset)
     for state, data, engine, speed, mode in _places(result):
         angle = degrees(data["crank_angle"])
         when: Choice = {"engine": engine, "state": state, "speed": speed_name(speed, unit)}
@@ -142,7 +133,7 @@ def _readings(result: MovingFrequencies, unit: str) -> list[panel.Reading]:
         relative = float(known_error(data).sel(engine=engine, crank_speed=speed, mode=mode))
         error = relative * float(np.nanmax(frequency))
         found = [("Natural frequency", "Hz", frequency, error)]
-        if damping:
+        if damped:
             ratio = 100 * _values(data, damping, engine, speed, mode)
             error = 100 * _damping_error(data, damping, engine, speed, mode)
             found.append(("Damping ratio", "%", ratio, error))
@@ -158,37 +149,6 @@ def _damping_error(data: xr.Dataset, variable: str, engine: str, speed: float, m
     return float(error_of_damping(data, variable).sel(where))
 
 
-def _tables(result: MovingFrequencies, unit: str) -> tuple[Table, ...]:
-    """Lowest and highest frequency of each mode with their errors, a table for each state."""
-    return tuple(
-        _extremes_table(MovingFrequencies(data), state, unit, several=len(result.states) > 1)
-        for state, data in in_each_state(result).items()
-    )
-
-
-def _extremes_table(result: MovingFrequencies, state: str, unit: str, *, several: bool) -> Table:
-    data, extremes = result.dataset, result.extremes()
-    error = known_error(data)
-    rows = []
-    for engine in names_of(data, "engine"):
-        for speed in data["crank_speed"].values.tolist():
-            for mode in data["mode"].values.tolist():
-                where = {"engine": engine, "crank_speed": speed, "mode": mode}
-                here, relative = extremes.sel(where), float(error.sel(where))
-                cells = [engine, f"{from_si(speed, unit):.6g}", str(mode)]
-                for which in ("lowest", "highest"):
-                    value = float(here[which])
-                    cells.append(with_error(value, value * relative))
-                    cells.append(f"{np.degrees(float(here[f'{which}_angle'])):.1f}")
-                rows.append(tuple(cells))
-    return Table(
-        "Lowest and highest natural frequencies" + (f", {state}" if several else ""),
-        ("engine", unit, "mode", "lowest (Hz)", "at (deg)", "highest (Hz)", "at (deg)"),
-        (tuple(rows),),
-        caption="errors: mesh (estimated) and component modes together, greatest of the turn",
-    )
-
-
 @panel.shows(CampbellDiagram)
 def campbell_panel(result: CampbellDiagram, results: Results) -> panel.Panel:
     """Bands over crank speed under the orders' rays, with critical speeds."""
@@ -201,8 +161,7 @@ def campbell_panel(result: CampbellDiagram, results: Results) -> panel.Panel:
     pictures = [(when, plots.plot_campbell.picture(one)) for when, one in shown]
     plot = plotted("campbell", joined(pictures))
     of = {"engine": names_of(data, "engine")[0], "state": state_of(data.attrs)}
-    table = _critical_table(data, unit)
-    return panel.panel_of("campbell", result.summary(), plots=(plot,), folded=(table,), **of)
+    return panel.panel_of("campbell", result.summary(), plots=(plot,), **of)
 
 
 @panel.shows(StabilityMap)
@@ -212,53 +171,3 @@ def stability_panel(result: StabilityMap, results: Results) -> panel.Panel:
     plot = plotted("stability", plots.plot_stability.picture(data.assign_attrs(speed_unit=unit)))
     of = {name: data.attrs[name] for name in ("prestress", "damping")}
     return panel.panel_of("stability", result.summary(), plots=(plot,), **of)
-
-
-def relative_error(data: xr.Dataset, engine: str, branch: int) -> float:
-    """Relative error of a branch by mesh, fit and Krylov spaces, greatest of the speeds.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Data of a Campbell diagram.
-    engine : str
-    branch : int
-
-    Returns
-    -------
-    float
-    """
-    own = data.sel(engine=engine)
-    mesh = float(np.nanmax(own["discretisation_error"].sel(branch=branch).values, initial=0.0))
-    return mesh + float(own["fit_error"]) + float(own["projection_error"])
-
-
-def _critical_table(data: xr.Dataset, unit: str) -> Table:
-    """Critical speeds with their errors: those of the frequencies, in speed."""
-    rows = []
-    for place in range(data.sizes["critical"]):
-        own = data.isel(critical=place)
-        engine, branch = str(own["critical_engine"].item()), int(own["critical_branch"])
-        relative = relative_error(data, engine, branch)
-        gap = float(own["critical_gap"])
-        start, end = (from_si(float(own[f"critical_{name}"]), unit) for name in ("start", "end"))
-        known = [with_error(value, abs(value) * relative) for value in (start, end)]
-        if gap > 0:
-            known[1] = "-"
-        if bool(own["critical_starts_inside"]):
-            known[0] = f"< {start:.4g}"
-        if bool(own["critical_ends_inside"]):
-            known[1] = f"> {end:.4g}"
-        nearest = f"{100 * gap:.1f} %" if gap > 0 else "-"
-        order = str(int(own["critical_order"]))
-        rows.append((engine, str(branch), order, *known, nearest))
-    return Table(
-        "Critical speeds",
-        ("engine", "branch", "order", f"from ({unit})", f"to ({unit})", "nearest"),
-        (tuple(rows),),
-        caption=(
-            "errors: those of the frequencies by mesh and fit, as a speed; <, >: inside the band "
-            "already at the first speed, or still at the last; nearest: the order meets the branch "
-            "nowhere and is this far from it"
-        ),
-    )

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses import Balance, CouplerPaths, Kinematics, ModelCheck, Table
+from flexmech.analyses import Balance, CouplerPaths, Kinematics, ModelCheck
 from flexmech.plots.kinematics import (
     MOST_POINTS,
     drawn_points,
@@ -35,31 +35,16 @@ def kinematics_panel(results: Results) -> panel.Panel | None:
     found = [own for own in found if "motor_torque" not in own.dataset] or found
     if not found:
         return None
-    shown = list[tuple[Choice, xr.Dataset]]()
-    answer, lines, warnings = list[str](), list[str](), list[str]()
-    tables, folded = list[Table](), list[Table]()
-    for result in found:
-        data = result.dataset
-        speed = words.speed_name(float(data.attrs["crank_speed"]), words.speed_unit_of(results))
-        # Under a law of motion all is over time, which has no picture of the page: words tell it.
-        if "time" not in data.dims:
-            shown.append(({"speed": speed} if len(found) > 1 else {}, data))
-        at = f"{speed}: " if len(found) > 1 else ""
-        said = result.summary()
-        answer += [f"{at}{line}" for line in said.answer]
-        lines += [f"{at}{line}" for line in panel.further_lines(said)]
-        tables += said.tables[:1]
-        folded += said.tables[1:]
-        warnings += [f"{at}{warning}" for warning in said.warnings]
-    return panel.panel_of(
-        "kinematics",
-        answer=tuple(answer),
-        plots=tuple(_plots(shown)) if shown else (),
-        tables=tuple(tables),
-        folded=tuple(folded),
-        lines=tuple(lines),
-        warnings=tuple(warnings),
-    )
+    unit = words.speed_unit_of(results)
+    names = [words.speed_name(float(one.dataset.attrs["crank_speed"]), unit) for one in found]
+    # Under a law of motion all is over time, which has no picture of the page: words tell it.
+    shown: list[tuple[Choice, xr.Dataset]] = [
+        ({"speed": name} if len(found) > 1 else {}, one.dataset)
+        for name, one in zip(names, found, strict=True)
+        if "time" not in one.dataset.dims
+    ]
+    drawn = tuple(_plots(shown)) if shown else ()
+    return panel.panel_of("kinematics", panel.told_apart(found, names), plots=drawn)
 
 
 def _plots(shown: list[tuple[Choice, xr.Dataset]]) -> Iterator[Plot]:

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses import Kinematics, Response, Table
-from flexmech.analyses.digits import decimals_of, with_error
+from flexmech.analyses import Kinematics, Response
+from flexmech.analyses.digits import decimals_of
 from flexmech.arrays import FloatArray
 from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import STARTS, bending_links, names_of
@@ -20,7 +20,14 @@ from flexmech.plots.response import (
     shaft_panes,
 )
 from flexmech.plots.spectra import spectrum_picture
-from flexmech.report.panel import Panel, Plot, Reading, further_lines, panel_of, plotted
+from flexmech.report.panel import (
+    Panel,
+    Plot,
+    Reading,
+    further_lines,
+    panel_of,
+    plotted,
+)
 from flexmech.report.results import (
     MOST_POINTS,
     Results,
@@ -35,6 +42,10 @@ def _deflections(data: xr.Dataset) -> Picture:
     return plots.plot_response.picture(data.drop_vars("shaft_rotation", errors="ignore"))
 
 
+def _forces(data: xr.Dataset) -> Picture:
+    return forces_picture(data.drop_vars("driving_power", errors="ignore"))
+
+
 def _shaft(data: xr.Dataset) -> Picture:
     return over_time(data, shaft_panes(data), "")
 
@@ -46,7 +57,7 @@ def _frame(data: xr.Dataset) -> Picture:
 # Over the last turn: name of the plot, its title, its picture, and what there must be for it.
 PICTURES: tuple[tuple[str, str, Callable[[xr.Dataset], Picture], str], ...] = (
     ("deflection", "Deflection and strain", _deflections, "deflection"),
-    ("forces", "Joint forces and driving torque", forces_picture, "joint_force"),
+    ("forces", "Joint forces and driving torque", _forces, "joint_force"),
     ("shaft", "Free shaft: rotation and speed fluctuation", _shaft, "shaft_rotation"),
     ("frame", "Frame on springs, and force on the floor", _frame, "frame_displacement"),
 )
@@ -59,21 +70,16 @@ def response_panel(results: Results) -> Panel | None:
         return None
     links, shown = bending_links(runs[0].dataset), list[tuple[Choice, xr.Dataset]]()
     states = {state_of(run.dataset.attrs) for run in runs}
-    answer, readings, lines = list[str](), list[Reading](), list[str]()
-    warnings, thinned = list[str](), list[str]()
+    readings, thinned, names = list[Reading](), list[str](), list[str]()
     for run in runs:
-        data, said = run.dataset, run.summary()
-        turn = over_a_turn(data["crank_angle"].values)
+        data, turn = run.dataset, over_a_turn(run.dataset["crank_angle"].values)
         speed = speed_name(float(data.attrs["crank_speed"]), unit)
+        names.append(f"{speed}, {state_of(data.attrs)}" if len(states) > 1 else speed)
         over_turn = data.isel(time=turn.kept).assign_coords(time=turn.angle)
         for number, engine in enumerate(names_of(data, "engine")):
             when = _when(run, engine, unit)
             shown.append((when, over_turn.isel(engine=[number])))
             readings += _readings(run, shown[-1][1].isel(engine=0), when, links)
-        at = f"{speed}, {state_of(data.attrs)}" if len(states) > 1 else speed
-        answer += [f"{at}: {line}" for line in said.answer]
-        lines += [f"{at}: {line}" for line in further_lines(said)]
-        warnings += said.warnings
         if turn.left_out:
             thinned.append(
                 f"run at {speed}: {len(turn.angle)} of {turn.samples} samples of the last "
@@ -82,16 +88,13 @@ def response_panel(results: Results) -> Panel | None:
     begun = {STARTS[str(run.dataset.attrs["start"])] for run in runs}
     return panel_of(
         "response",
-        answer=tuple(answer),
+        [(f"{name}: ", run.summary()) for name, run in zip(names, runs, strict=True)],
         plots=tuple(
             _over_turn(name, title, picture, those)
             for name, title, picture, variable in PICTURES
             if (those := [(when, data) for when, data in shown if variable in data])
         ),
         readings=tuple(readings),
-        tables=(_peak_table(runs, links, unit),),
-        lines=tuple(lines),
-        warnings=tuple(warnings),
         thinned=tuple(thinned),
         begun=" or ".join(sorted(begun)),
         free_shaft=(
@@ -155,32 +158,6 @@ def _readings(run: Response, own: xr.Dataset, when: Choice, links: list[str]) ->
         Reading(group, label, unit, angle, values, error, when, decimals_of(error))
         for group, label, unit, values, error in found
     ]
-
-
-def _peak_table(runs: list[Response], links: list[str], unit: str) -> Table:
-    rows: list[tuple[str, ...]] = []
-    for run in runs:
-        data, peaks = run.dataset, run.peaks()
-        speed = speed_name(float(data.attrs["crank_speed"]), unit)
-        for engine in names_of(data, "engine"):
-            own, errors = peaks.sel(engine=engine), run.errors().sel(engine=engine)
-            of_links = [(link, {"link": link}) for link in links]
-            of_joints = [(joint, {"joint": joint}) for joint in names_of(data, "joint")]
-            found = [("deflection", "deflection (mm)", 1e3, *each) for each in of_links]
-            found += [("joint_force", "force (N)", 1.0, *each) for each in of_joints]
-            found.append(("driving_torque", "torque (N m)", 1.0, "shaft", {}))
-            for name, what, factor, of, place in found:
-                value = factor * float(own[name].sel(place))
-                error = abs(value) * float(errors[f"peak_{name}"].sel(place))
-                start = state_of(data.attrs), engine, speed
-                rows.append((*start, of, what, with_error(value, error)))
-    return Table(
-        "Peaks",
-        ("state", "engine", "speed", "of", "quantity", "peak"),
-        (tuple(rows),),
-        text_columns=5,
-        caption="errors: time step, component modes and, where it was checked, mesh together",
-    )
 
 
 def motor_panel(results: Results) -> Panel | None:

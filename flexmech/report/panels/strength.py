@@ -11,7 +11,7 @@ from flexmech.plots.picture import Choice, Curve, Pane, Picture, Span, joined, o
 from flexmech.plots.reading import names_of
 from flexmech.plots.strength import FAILS, FORCES
 from flexmech.plots.style import MID_GREY, series_line
-from flexmech.report.panel import Panel, further_lines, panel_of, plotted
+from flexmech.report.panel import Panel, panel_of, plotted, told_apart
 from flexmech.report.results import Results, over_a_turn, speed_name, speed_unit_of
 
 
@@ -24,10 +24,9 @@ def strength_panel(results: Results) -> Panel | None:
     if not found:
         return None
     used, forces, thinned = list[Curve](), list[tuple[Choice, Picture]](), list[str]()
-    said = [result.summary() for result in found]
     names = _distinct(found, results)
-    for result, name in zip(found, names, strict=True):
-        data = result.dataset
+    for result, distinct in zip(found, names, strict=True):
+        data, name = result.dataset, f" at {distinct}" if len(found) > 1 else ""
         turn = over_a_turn(data["crank_angle"].values)
         for engine in names_of(data, "engine"):
             when = {"engine": engine} if data.sizes["engine"] > 1 else {}
@@ -45,7 +44,7 @@ def strength_panel(results: Results) -> Panel | None:
     picture = Picture([pane], along, found[0].dataset)
     return panel_of(
         "strength",
-        answer=_told(names, [one.answer for one in said]),
+        told_apart(found, names),
         # Where pins alone are judged there is nothing along the links.
         plots=(
             plotted("strength-used", picture, "Strength used along the links"),
@@ -53,32 +52,18 @@ def strength_panel(results: Results) -> Panel | None:
         )
         if used
         else (),
-        tables=tuple(one.table for one in said if one.table is not None),
-        lines=_told(names, [further_lines(one) for one in said]),
-        warnings=_told(names, [one.warnings for one in said]),
         thinned=tuple(thinned),
     )
 
 
 def _distinct(found: list[Strength], results: Results) -> list[str]:
-    """What tells results from each other: nothing of one alone, else speed and source of loads."""
-    if len(found) == 1:
-        return [""]
+    """What tells results from each other: speed and source of loads."""
     unit = speed_unit_of(results)
     return [
-        f" at {speed_name(float(each.dataset.attrs['crank_speed']), unit)}, "
-        f"{each.dataset.attrs['source_of_loads']}"
-        for each in found
+        f"{speed_name(float(one.dataset.attrs['crank_speed']), unit)}, "
+        f"{one.dataset.attrs['source_of_loads']}"
+        for one in found
     ]
-
-
-def _told(names: list[str], lines: list[tuple[str, ...]]) -> tuple[str, ...]:
-    """Lines of every result, each with what tells it from the others before it."""
-    return tuple(
-        f"{name.removeprefix(' at ')}: {line}" if name else line
-        for name, own in zip(names, lines, strict=True)
-        for line in own
-    )
 
 
 def _judged(data: xr.Dataset) -> list[str]:
