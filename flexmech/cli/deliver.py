@@ -135,7 +135,7 @@ def deliver(
         Writes further files of the result into a folder and gives their paths; takes the
         progress too.
     remark : str
-        Line before the summary.
+        Line below the summary.
     saving : mapping, optional
         Further options of the result's own way to save.
     in_lines : bool
@@ -207,7 +207,7 @@ def say(
     file_lines : sequence of str
         How the files are named, and stale ones beside them.
     remarks : sequence of str
-        Before all others; may be empty.
+        Below the answer; may be empty.
     printing : {"answer", "details", "json", "nothing"}
     """
     for warning in summary.warnings:
@@ -220,7 +220,7 @@ def say(
         typer.echo(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
     elif printing != "nothing":
         parts = summary.parts if printing == "details" else summary.first
-        for part in (*said, *parts, *file_lines):
+        for part in (*parts, *said, *file_lines):
             if isinstance(part, str):
                 _print_lines(part)
             else:
