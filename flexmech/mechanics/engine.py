@@ -536,7 +536,10 @@ class Engine(EngineParameters):
 
     @abstractmethod
     def running_links(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray] | None = None,
     ) -> StressedLinks:
         """Elastic tangent stiffness, internal forces and damping of displaced links.
 
@@ -548,33 +551,19 @@ class Engine(EngineParameters):
             Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link)
             Elastic displacement of each link in its frame.
+        rate : sequence of ndarray, shape (B, n_link), optional
+            Its time derivative, at which the tangents have the change of the damping forces by
+            the displacement as well.
 
         Returns
         -------
         StressedLinks
         """
 
-    @abstractmethod
-    def damping_stiffness(
-        self,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        rate: Sequence[FloatArray],
-    ) -> Sequence[FloatArray] | None:
-        """Derivative of the links' damping forces by their displacement at given rates.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement, rate : sequence of ndarray, shape (B, n_link)
-            Of each link in its frame, and its time derivative.
-
-        Returns
-        -------
-        sequence of ndarray, shape (B, n_link, n_link), or None
-            None where no link is damped.
-        """
+    @property
+    def has_damped_links(self) -> bool:
+        """Whether a link is damped."""
+        return any(link.damping.any() for link in self.clamped_links)
 
     def connected_matrices(
         self,

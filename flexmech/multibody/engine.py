@@ -39,7 +39,6 @@ from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
 from flexmech.multibody.items import check_exudyn
 from flexmech.multibody.linearize import (
-    damping_stiffness,
     internal_forces,
     link_models,
     running_tangents,
@@ -334,23 +333,16 @@ class ExudynEngine(Engine):
         return internal_forces(self.model, displacement)
 
     def running_links(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> StressedLinks:
-        """Elastic stiffness, forces and damping; see :meth:`Engine.running_links`."""
-        tangent, damping = running_tangents(self.model, motion, displacement)
-        force = internal_forces(self.model, displacement)
-        return StressedLinks(tangent, list(displacement), force, damping)
-
-    def damping_stiffness(
         self,
         motion: RigidMotion,
         displacement: Sequence[FloatArray],
-        rate: Sequence[FloatArray],
-    ) -> list[FloatArray] | None:
-        """See :meth:`Engine.damping_stiffness`."""
-        if not any(link.damping.any() for link in self.clamped_links):
-            return None
-        return damping_stiffness(self.model, motion, displacement, rate)
+        rate: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
+        """Elastic stiffness, forces and damping; see :meth:`Engine.running_links`."""
+        rate = rate if self.has_damped_links else None
+        tangent, damping = running_tangents(self.model, motion, displacement, rate)
+        force = internal_forces(self.model, displacement)
+        return StressedLinks(tangent, list(displacement), force, damping)
 
     def _tensioned(self, motion: RigidMotion, forces: LinkForces) -> dict[int, FloatArray]:
         """Tangents of the straight links by the mean tension of each element.

@@ -161,7 +161,10 @@ def _applied(
 
 
 def running_tangents(
-    model: StaticModel, motion: RigidMotion, displacement: Sequence[FloatArray]
+    model: StaticModel,
+    motion: RigidMotion,
+    displacement: Sequence[FloatArray],
+    rate: Sequence[FloatArray] | None = None,
 ) -> tuple[list[FloatArray], list[FloatArray]]:
     """Tangent stiffness and damping of each link in its frame in given states.
 
@@ -172,63 +175,29 @@ def running_tangents(
         Batch of shape (B,).
     displacement : sequence of ndarray, shape (B, n_link)
         Elastic displacement of each link in its frame.
+    rate : sequence of ndarray, shape (B, n_link), optional
+        Its time derivative.
 
     Returns
     -------
     list of ndarray, shape (B, n_link, n_link)
-        Stiffness.
+        Stiffness, at a rate with the change of the damping forces by the displacement.
     list of ndarray, shape (B, n_link, n_link)
         Damping.
     """
-    poses, relative = model.poses(motion)
-    states = poses + model.assembly.turned(np.concatenate(displacement, axis=1), relative)
+    assembly, (poses, relative) = model.assembly, model.poses(motion)
+    states = poses + assembly.turned(np.concatenate(displacement, axis=1), relative)
+    rates = np.zeros_like(states)
+    if rate is not None:
+        moving = assembly.turned(np.concatenate(rate, axis=1), relative)
+        # The velocity of a rigid link would change its inertia forces alone.
+        for _, part in assembly.beams:
+            rates[:, part.coordinates] = moving[:, part.coordinates]
     settings, tangents = simulation_settings(), _Tangents(model, len(states))
     for number, state in enumerate(states):
         model.move_to(motion, number, poses[number])
-        tangents.linearize_at(number, settings, state)
+        tangents.linearize_at(number, settings, state, rate=rates[number])
     return tangents.in_link_frames(relative)
-
-
-def damping_stiffness(
-    model: StaticModel,
-    motion: RigidMotion,
-    displacement: Sequence[FloatArray],
-    rate: Sequence[FloatArray],
-) -> list[FloatArray]:
-    """Derivative of the links' damping forces by their displacement at given rates.
-
-    Parameters
-    ----------
-    model : StaticModel
-    motion : RigidMotion
-        Batch of shape (B,).
-    displacement, rate : sequence of ndarray, shape (B, n_link)
-        Of each link in its frame, and its time derivative.
-
-    Returns
-    -------
-    list of ndarray, shape (B, n_link, n_link)
-        Zero for rigid links.
-    """
-    assembly, settings = model.assembly, simulation_settings()
-    poses, angle = model.poses(motion)
-    state = poses + assembly.turned(np.concatenate(displacement, axis=1), angle)
-    rates = assembly.turned(np.concatenate(rate, axis=1), angle)
-    nodes, velocity = assembly.nodes.to_nodes(state), assembly.nodes.rate_to_nodes(state, rates)
-    stiffness, damping = np.empty((2, *nodes.shape, nodes.shape[1]))
-    for number, place in enumerate(nodes):
-        model.move_to(motion, number, poses[number])
-        _, still, damping[number] = linearized(model, settings, place)
-        stiffness[number] = linearized(model, settings, place, velocity[number])[1] - still
-    changes = [np.zeros((*q.shape, q.shape[1])) for q in displacement]
-    for number, part in assembly.beams:
-        at, mapped = part.coordinates, part.node_map
-        matrix = stiffness[:, at, at]
-        if len(mapped.first):
-            by_rate = damping[:, at, at]
-            matrix = mapped.damping_stiffness(state[:, at], rates[:, at], matrix, by_rate)
-        changes[number] = _to_link_frame(matrix, angle[:, number], *part.vectors)
-    return changes
 
 
 def internal_forces(model: StaticModel, displacement: Sequence[FloatArray]) -> list[FloatArray]:
@@ -380,7 +349,7 @@ class _Tangents:
         self._matrices = [
             np.empty((2, batch, *2 * (len(part.straight),))) for part in assembly.parts
         ]
-        self._state, self._outer = np.zeros((2, batch, assembly.size))
+        self._state, self._rate, self._outer = np.zeros((3, batch, assembly.size))
 
     def linearize_at(
         self,
@@ -388,6 +357,7 @@ class _Tangents:
         settings: Any,
         state: FloatArray,
         outer: FloatArray | float = 0.0,
+        rate: FloatArray | float = 0.0,
     ) -> None:
         """Linearize about a state.
 
@@ -399,11 +369,14 @@ class _Tangents:
         state : ndarray, shape (size,)
         outer : ndarray, shape (size,), optional
             Forces on Exudyn's coordinates that keep their direction.
+        rate : ndarray, shape (size,), optional
+            Time derivative of the state.
         """
         assembly = self._assembly
+        self._state[number], self._rate[number], self._outer[number] = state, rate, outer
         nodes = assembly.nodes.to_nodes(state)
-        _, stiffness, damping = linearized(self._model, settings, nodes)
-        self._state[number], self._outer[number] = state, outer
+        velocity = assembly.nodes.rate_to_nodes(state, self._rate[number])
+        _, stiffness, damping = linearized(self._model, settings, nodes, velocity)
         for matrices, part in zip(self._matrices, assembly.parts, strict=True):
             for matrix, whole in zip(matrices, (stiffness, damping), strict=True):
                 matrix[number] = whole[part.coordinates, part.coordinates]
@@ -421,6 +394,8 @@ class _Tangents:
                 if not part.bodies:
                     force -= self._outer[:, columns]
                 stiffness = mapped.tangent(state, stiffness, force)
+                if (rate := self._rate[:, columns]).any():
+                    stiffness += mapped.damping_stiffness(state, rate, damping)
                 damping = mapped.matrix(state, damping)
             for matrices, matrix in zip(result, (stiffness, damping), strict=True):
                 matrices.append(_to_link_frame(matrix, angle[:, link], *part.vectors))

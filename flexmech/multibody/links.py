@@ -235,15 +235,15 @@ class NodeMap(ABC):
         return stiffness
 
     def damping_stiffness(
-        self, axis: FloatArray, rate: FloatArray, stiffness: FloatArray, damping: FloatArray
+        self, axis: FloatArray, rate: FloatArray, damping: FloatArray
     ) -> FloatArray:
-        """Derivative of damping forces ``J' D J q.`` by the link's coordinates q.
+        """Derivative of damping forces ``J' D J q.`` by the coordinates q in J.
 
         Parameters
         ----------
         axis, rate : ndarray, shape (..., n)
-        stiffness, damping : ndarray, shape (..., n, n)
-            Derivatives of the forces on the nodes by their coordinates and by their velocities.
+        damping : ndarray, shape (..., n, n)
+            Derivative of the forces on the nodes by their velocities.
 
         Returns
         -------
@@ -255,7 +255,7 @@ class NodeMap(ABC):
         changing[..., at[:, :, None], at[:, None]] = turning
         force = (damping @ self.rate_to_nodes(axis, rate)[..., None])[..., 0]
         by_rate = np.swapaxes(whole, -1, -2) @ damping @ changing
-        return self.tangent(axis, stiffness, force) + np.asarray(by_rate)
+        return self.geometric_stiffness(axis, force) + np.asarray(by_rate)
 
     def _gradient_of_all(self, axis: FloatArray) -> FloatArray:
         """Derivative of all nodes' coordinates by those of the link, (..., n, n)."""

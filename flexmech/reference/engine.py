@@ -265,7 +265,10 @@ class ReferenceEngine(Engine):
         return self.balance.response(displacement, self._varying(motion))[0]
 
     def running_links(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray] | None = None,
     ) -> StressedLinks:
         """Elastic stiffness, forces and damping; see :meth:`Engine.running_links`.
 
@@ -273,37 +276,30 @@ class ReferenceEngine(Engine):
         what those of the elastic motion add inside it is left out, and falls with the square
         of the element length. Their mean is that of the state.
         """
-        return self._elastic(displacement, self._varying(motion))
+        stressed = self._elastic(displacement, self._varying(motion))
+        if rate is None or not self.has_damped_links:
+            return stressed
+        tangent = list(stressed.tangent)
+        for number, change in self.balance.damping_stiffness(displacement, rate).items():
+            tangent[number] = tangent[number] + change
+        return replace(stressed, tangent=tangent)
 
     def _elastic(
         self, displacement: Sequence[FloatArray], varying: Sequence[FloatArray]
     ) -> StressedLinks:
         force, of_chains = self.balance.response(displacement, varying)
         tangent = [
-            of_chains.get(number, np.zeros((link.size, link.size)))
-            for number, link in enumerate(self.clamped_links)
+            of_chains.get(number, np.zeros((*q.shape, q.shape[1])))
+            for number, q in enumerate(displacement)
         ]
         return StressedLinks(tangent, list(displacement), force, self._damping(displacement))
 
     def _damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray] | None:
         """Damping of displaced links, (B, n_link, n_link); None where none is damped."""
-        if not any(link.damping.any() for link in self.clamped_links):
+        if not self.has_damped_links:
             return None
         bent = self.balance.damping(displacement)
         return [bent.get(n, np.zeros((*q.shape, 3))) for n, q in enumerate(displacement)]
-
-    def damping_stiffness(
-        self,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        rate: Sequence[FloatArray],
-    ) -> list[FloatArray] | None:
-        """See :meth:`Engine.damping_stiffness`."""
-        del motion
-        if not any(link.damping.any() for link in self.clamped_links):
-            return None
-        found = self.balance.damping_stiffness(displacement, rate)
-        return [found.get(n, np.zeros((*q.shape, q.shape[1]))) for n, q in enumerate(displacement)]
 
     def _tensioned(self, motion: RigidMotion, forces: LinkForces) -> dict[int, FloatArray]:
         """Tangents of the straight links; the tension varies inside elements."""

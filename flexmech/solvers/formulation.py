@@ -106,9 +106,8 @@ class Systems:
     @property
     def damped_by(self) -> str:
         """What gives or takes energy, in words; empty if nothing does."""
-        links = any(link.damping.any() for link in self.engine.links)
         kinds = {
-            "Kelvin-Voigt": links,
+            "Kelvin-Voigt": self.engine.has_damped_links,
             "dampers": has_dampers(self.engine.mechanism),
             "follower forces": self.engine.connectors.follow,
         }

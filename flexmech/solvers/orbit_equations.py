@@ -142,14 +142,17 @@ class RunningForces:
         StressedLinks
             With the derivative of the damping forces by the displacement.
         """
-        engine, displacement = self._engine, [q for q, _, _ in moving]
+        displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
         z = self.frames.independent(self.motion, [q[..., None] for q in displacement])[..., 0]
+        engine, more = self._engine, None
         stressed = engine.running_links(self.whole, displacement)
+        if engine.has_damped_links:
+            whole = engine.running_links(self.whole, displacement, rate).tangent
+            more = [of_both - k for of_both, k in zip(whole, stressed.tangent, strict=True)]
         loads, springs = self.pushes(moving)
         forces = self.inertia_and_loads(moving, loads)
         forces = self.out_of_balance(stressed, moving, forces, springs)
         stressed = self.with_bodies(stressed, moving, self.ties(z), forces, [*loads, *springs])
-        more = engine.damping_stiffness(self.motion, displacement, [rate for _, rate, _ in moving])
         return replace(stressed, damping_stiffness=more, motion=self.motion)
 
     def pushes(self, moving: LinkMotion) -> tuple[list[PointForce], list[PointForce]]:
@@ -313,6 +316,8 @@ class OrbitState:
     frames : LinkFrames
         Whose rows are derivatives of the links' coordinates by z at these displacements.
     stressed : StressedLinks
+        With the change of the damping forces by the displacement in its tangents: it counts near a
+        critical speed, where little else holds the motion.
     connected : ConnectedMatrices or None
         Matrices of loads and springs there, by z; None without them.
     residual : ndarray, shape (N, n)
@@ -413,8 +418,11 @@ class OrbitEquations:
         self._half = np.linalg.inv(np.linalg.cholesky(straight))
         self._load_norm = self._norm(self.load)
 
-    def elastic(self, state: OrbitState) -> FloatArray:
-        """Stiffness ``N'KN`` of the linkage by those of its links and springs, (N, n, n)."""
+    def stiffness(self, state: OrbitState) -> FloatArray:
+        """Stiffness ``N'KN`` of the linkage by those of its links and springs, (N, n, n).
+
+        Without the inertia of motion.
+        """
         return self._stiffness(state.frames, state.stressed.tangent, state.connected)
 
     def _stiffness(
@@ -475,7 +483,8 @@ class OrbitEquations:
             rate += self.first @ beyond[-1]
             change += self.second @ beyond[-1]
         displacement, frames = [q for q, _, _ in moving], self._frames_at(ties)
-        stressed = self.engine.running_links(running.whole, displacement)
+        rates = [rate for _, rate, _ in moving]
+        stressed = self.engine.running_links(running.whole, displacement, rates)
         connected = self._connected(displacement, frames)
         loads, springs = running.pushes(moving)
         forces, rows = running.inertia_and_loads(moving, loads), []
@@ -485,7 +494,6 @@ class OrbitEquations:
         rows.insert(0, frames.gather(self.motion, forces))
         residual = times(self.mass, damping_rate * velocity) + np.concatenate(rows, axis=1)
         stressed = running.with_bodies(stressed, moving, ties, forces, [*loads, *springs])
-        rates = [rate for _, rate, _ in moving]
         error = self.error(residual)
         return OrbitState(
             z, displacement, rates, beyond, frames, stressed, connected, residual, error
@@ -510,12 +518,8 @@ class OrbitEquations:
         return DisplacedFrames(self.frames, rows)
 
     def linearized(self, state: OrbitState, damping_rate: float = 0.0) -> SystemMatrices:
-        """Matrices of small changes of the motion; each (N, n, n).
-
-        The change of the damping matrix counts near a critical speed, where little else holds the
-        motion.
-        """
-        stressed, connected = self._with_changing_damping(state), state.connected
+        """Matrices of small changes of the motion; each (N, n, n)."""
+        stressed, connected = state.stressed, state.connected
         links = state.frames.assemble(
             self.motion,
             stressed.tangent,
@@ -529,14 +533,6 @@ class OrbitEquations:
             links = SystemMatrices(links.mass, links.damping + connected.damping, stiffness)
         whole = self._carried(state.frames, links, RotationTerms())
         return replace(whole, damping=whole.damping + damping_rate * whole.mass)
-
-    def _with_changing_damping(self, state: OrbitState) -> StressedLinks:
-        """Stressed links whose tangents have the change of the damping forces."""
-        more = self.engine.damping_stiffness(self.motion, state.displacement, state.rate)
-        if more is None:
-            return state.stressed
-        pairs = zip(state.stressed.tangent, more, strict=True)
-        return replace(state.stressed, tangent=[tangent + change for tangent, change in pairs])
 
     def _connected(
         self, displacement: Sequence[FloatArray], frames: LinkFrames

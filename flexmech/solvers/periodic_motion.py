@@ -158,8 +158,7 @@ def _in_static_balance(
         size = float(np.linalg.norm(force))
         if size <= enough or not np.isfinite(size):
             break
-        elastic = equations.elastic(state)
-        stiffness = rows @ elastic @ np.swapaxes(rows, 1, 2)
+        stiffness = rows @ equations.stiffness(state) @ np.swapaxes(rows, 1, 2)
         change = np.linalg.solve(stiffness, force[..., None])[..., 0]
         state = equations.state(state.z - times(np.swapaxes(rows, 1, 2), change), damping_rate)
     return state
@@ -188,7 +187,8 @@ class _ModalPreconditioner:
         self, equations: OrbitEquations, state: OrbitState, matrices: SystemMatrices
     ) -> None:
         self._equations = equations
-        stiffness, shift = equations.elastic(state), 0.0
+        stiffness, shift = equations.stiffness(state), 0.0
+        stiffness = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
         while (half := _inverse_root(stiffness + shift * matrices.mass)) is None:
             # Compressed beyond buckling: the modes are those of a stiffness shifted by mass.
             shift = max(10 * shift, equations.crank_speed**2)

@@ -571,7 +571,7 @@ class LinkageSolver:
     @property
     def is_hamiltonian(self) -> bool:
         """Whether all forces have a potential: no link or connector is damped, no force follows."""
-        damped = self.damping > 0 and any(link.damping.any() for link in self.engine.links)
+        damped = self.damping > 0 and self.engine.has_damped_links
         frame = self.engine.mechanism.frame
         damped |= frame is not None and bool(frame.damping.any())
         return not damped and self.engine.connectors.is_conservative
