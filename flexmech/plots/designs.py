@@ -20,7 +20,7 @@ from flexmech.errors import InputError
 from flexmech.plots.drawing import draw, drawing, figure
 from flexmech.plots.drawn_linkage.sketch import LinkageSketch
 from flexmech.plots.layout import TILE, AxesLike, sheet, tiles
-from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
+from flexmech.plots.picture import Curve, Note, Pane, Picture, Span, over_angles
 from flexmech.plots.reading import degrees, mode_label
 from flexmech.plots.style import (
     LIGHT_GREY,
@@ -28,7 +28,6 @@ from flexmech.plots.style import (
     SERIES_STYLES,
     Look,
     legend_handles,
-    line_handle,
     series_line,
     series_style,
 )
@@ -437,6 +436,8 @@ def plot_search(dataset: xr.Dataset) -> Picture:
 BAND = (2.5, 50.0, 97.5)
 # Bars of a distribution at most.
 MOST_BARS = 60
+# Shares of Sobol's indices: variable, words, and how far beside the row of their input they stand.
+SHARES = (("first_order", "first order", -0.12), ("total", "total", 0.12))
 # Percentiles of outputs: look and name in the legend.
 PERCENTILES: Mapping[str, tuple[Look, str]] = {
     "p50": ({"color": "black", "lw": 1.2}, "median"),
@@ -445,7 +446,8 @@ PERCENTILES: Mapping[str, tuple[Look, str]] = {
 }
 
 
-def plot_sensitivity(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+@figure
+def plot_sensitivity(dataset: xr.Dataset) -> Picture:
     """Draw the share of every input in the variance of every output, with its interval.
 
     Parameters
@@ -466,35 +468,34 @@ def plot_sensitivity(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     """
     if "total" not in dataset:
         raise InputError(dataset.attrs["no_shares"])
-    outputs = dataset["output"].values.tolist()
-    height = max(TILE, 0.5 + 0.3 * dataset.sizes["input"])
-    with sheet(tiles(len(outputs), 2, height), ax=ax) as drawn:
-        looks = {"first_order": series_style(0).color, "total": series_style(1).color}
-        handles = [
-            line_handle(name.replace("_", " "), ls="", marker="s", ms=5, color=colour)
-            for name, colour in looks.items()
-        ]
-        drawn.header(handles, "Share of each input in the variance (Sobol)", of=dataset)
-        for axes, output in zip(drawn.panels, outputs, strict=True):
-            _shares(axes, dataset.sel(output=output), looks)
-            axes.set_title(output, loc="left")
-        drawn.label_x("Share of the variance (-)")
-    return drawn.figure
+    panes = [_shares(dataset.sel(output=name)) for name in dataset["output"].values.tolist()]
+    layout = tiles(len(panes), 2, max(TILE, 0.5 + 0.3 * dataset.sizes["input"]))
+    title = "Share of each input in the variance (Sobol)"
+    return Picture(panes, "Share of the variance (-)", dataset, title, layout=layout)
 
 
-def _shares(axes: Axes, own: xr.Dataset, looks: Mapping[str, str]) -> None:
-    """Bars of one output with their intervals; none of an output that does not vary."""
-    names = own["input"].values.tolist()
-    place = np.arange(len(names))
-    for number, (name, colour) in enumerate(looks.items()):
-        y = place + 0.2 * (2 * number - 1)
-        axes.barh(y, np.nan_to_num(own[name].values), height=0.36, color=colour)
-        axes.hlines(y, own[f"{name}_low"], own[f"{name}_high"], color="black", lw=0.8)
-    axes.set_yticks(place, [short_name(name) for name in names])
-    axes.set_ylim(len(names) - 0.5, -0.5)
-    if not np.isfinite(own["total"].values).any():
-        axes.text(0.5, 0.5, "does not vary", transform=axes.transAxes, ha="center", va="center")
-    axes.axvline(0.0, color=MID_GREY, lw=0.6)
+def _shares(own: xr.Dataset) -> Pane:
+    """Shares of one output as points with their intervals; none where it does not vary."""
+    names, curves = own["input"].values.tolist(), list[Curve]()
+    for number, (name, words, aside) in enumerate(SHARES):
+        row, style = np.arange(1.0, len(names) + 1) + aside, series_style(number)
+        dots: Look = {"color": style.color, "ls": "", "marker": style.marker, "ms": 5.0}
+        curves.append(Curve(own[name].values, row, dots, words))
+        # One line that is broken behind each interval.
+        low, high = (own[f"{name}_{end}"].values for end in ("low", "high"))
+        x, y = (np.stack([*ends, np.nan * row], axis=-1) for ends in ((low, high), (row, row)))
+        curves.append(Curve(x.ravel(), y.ravel(), {"color": style.color}, followed=None))
+    centred: Look = {"ha": "center", "va": "center"}
+    constant = not np.isfinite(own["total"].values).any()
+    notes = [Note(0.5, 0.5, "does not vary", centred, high=True)] if constant else []
+    return Pane(
+        "",
+        curves,
+        title=f"Share in {own['output'].item()}",
+        spans=(Span(0.0, 0.0, {"color": MID_GREY, "lw": 0.6}, upright=True),),
+        rows=list(map(short_name, names)),
+        notes=notes,
+    )
 
 
 @figure

@@ -40,6 +40,8 @@ ALONE = float(rcParamsDefault["figure.subplot.right"] - rcParamsDefault["figure.
 VEIL = 0.6
 # Height of a label in inches, with some room.
 LABEL_HEIGHT = 0.1
+# Above the first of the rows of a pane and below the last, over their distance.
+ROW_ROOM = 0.6
 # Entries of looks that say where something is drawn.
 NOT_IN_LEGEND = ("zorder", "ymax", "markevery", "clip_on")
 MOST_TURNING, LEAST_VEILED = 0.33, 100
@@ -157,6 +159,8 @@ def _draw_panes(drawn: Sheet, picture: Picture) -> None:
             axes.set_xlim(float(picture.places[0]), float(picture.places[-1]))
     for axes, pane in pairs:
         draw_pane(axes, pane)
+        if "plane" in (pane.apart, picture.over):
+            axes.set_aspect("equal", adjustable="datalim")
         if pane.title:
             drawn.title(axes, pane.title)
     if picture.x_label:
@@ -227,12 +231,13 @@ def draw_pane(axes: Axes, pane: Pane) -> None:
     if pane.apart == "none":
         axes.xaxis.set_visible(False)
         axes.spines["bottom"].set_visible(False)
-    if pane.apart == "plane":
-        axes.set_aspect("equal", adjustable="datalim")
     if pane.ticks:
         axes.set_yticks(pane.ticks)
     if pane.named:
         axes.set_xticks(range(1, len(pane.named) + 1), pane.named)
+    if pane.rows:
+        axes.set_yticks(range(1, len(pane.rows) + 1), pane.rows)
+        axes.set_ylim(len(pane.rows) + ROW_ROOM, 1 - ROW_ROOM)
     if pane.along:
         axes.set_xlabel(pane.along)
     for note in pane.notes:

@@ -6,6 +6,7 @@ The drive is a law of motion, with the vibration after its stop, or a motor.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -16,11 +17,21 @@ from matplotlib.transforms import Affine2D
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.plots import angle_panels, reading, scales, style
-from flexmech.plots.drawing import draw, figure
+from flexmech.plots.drawing import draw, drawing, figure
 from flexmech.plots.drawn_linkage.sketch import RIGID, SMALL, LinkageSketch
 from flexmech.plots.drawn_linkage.symbols import add_symbols, drawn_posture
-from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span, by_engine, over_angles, series
+from flexmech.plots.layout import AxesLike, grid
+from flexmech.plots.picture import (
+    ZERO,
+    Curve,
+    Note,
+    Pane,
+    Picture,
+    Span,
+    by_engine,
+    over_angles,
+    series,
+)
 from flexmech.plots.response import ROTATION_UNITS, engine_panes, over_time
 from flexmech.plots.style import MID_GREY, Look
 
@@ -48,6 +59,10 @@ CLOSE_UP_ROOM = 1.5
 # Above this extent in m a picture is in m, below it in mm, whose numbers have four digits at most.
 METRES = 10.0
 MARKS = {"crunode": "o", "cusp": "^"}
+# Of a dataset of paths, what holds places in m, and the height of a path on a page over others.
+_PLACES, PAGE_HEIGHT = ("position", "pin_position", "close_up", "framed"), 2.4
+# Of the name of a pin over its path, over the height of the first path.
+NAME_OVER = 0.03
 
 
 @figure
@@ -230,52 +245,72 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     InputError
         If there are no states, or more than there are styles to tell them apart.
     """
-    states, angles = (
-        style.distinct_names(reading.names_of(dataset, "state")),
-        reading.degrees(dataset["crank_angle"]),
-    )
-    curves = reading.values_of(dataset["position"], "state", "crank_angle", "component")[:, None]
-    scale, unit = (1.0, "m") if np.ptp(curves, axis=2).max() > METRES else (1e3, "mm")
-    pins = scale * reading.values_of(
-        dataset["pin_position"], "state", "pin", "crank_angle", "component"
-    )
-    layout = grid(1, 3, HEIGHT_OF_THREE) if "close_up" in dataset else grid(1, 2, HEIGHT)
-    with sheet(layout, ax=ax) as drawn:
-        handles = [
-            style.series_handle(number, _counted(dataset, state))
-            for number, state in enumerate(states)
-        ]
-        # Beyond the crank angles drawn, marks stand off the lines.
-        where = "" if np.ptp(angles) > 360.0 - 1e-4 else " of the whole curve"
-        for kind, mark in MARKS.items():
-            if kind in dataset["double_point_kind"].values:
-                look = {"color": "black", "ls": "", "marker": mark, "mfc": "none"}
-                handles.append(style.line_handle(kind + where, **look))
-        curve = _is_curve(dataset)
-        drawn.header(handles, "Coupler curve" if curve else "Path of a point", of=dataset)
+    picture = coupler_picture(dataset)
+    with drawing(picture, ax=ax) as drawn:
         for axes in drawn.panels:
-            axes.set_aspect("equal", adjustable="datalim")
             axes.set_box_aspect(1)
-            axes.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", anchor="N")
-        first, *middle, last = drawn.panels
-        first.set_title("Coupler point" if curve else "Point")
-        _draw_paths(first, scale * curves, angles)
-        _draw_double_points(first, dataset, scale)
-        for axes in middle:
-            axes.set_title("Close-up of the loops")
-            close = reading.values_of(
-                scale * dataset["close_up"], "state", "window", "point", "component"
-            )
-            # Without marks: it is fine whatever the crank angles.
-            _draw_paths(axes, close)
-            _draw_double_points(axes, dataset, scale)
-            _frame(axes, reading.values_of(scale * dataset["framed"], "framed_place", "component"))
-        names = reading.names_of(dataset, "pin")
-        pictured = "Pins A and B" if curve else "Ends of its link"
-        last.set_title(pictured + _draw_linkage(last, dataset, scale))
-        _draw_paths(last, pins, angles)
-        _name_pins(last, names, pins[0])
+            axes.set_anchor("N")
+        last = drawn.panels[-1]
+        last.margins(0.15)
+        if found := drawn_posture(dataset):
+            _draw_linkage(last, LinkageSketch(*found[:2], mark_size=SMALL), _unit(dataset)[0])
     return drawn.figure
+
+
+def coupler_picture(dataset: xr.Dataset) -> Picture:
+    """Coupler curves, a close-up of their loops and the paths of the pins, in the plane.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        As of :func:`plot_coupler_curve`.
+
+    Returns
+    -------
+    Picture
+    """
+    states = style.distinct_names(reading.names_of(dataset, "state"))
+    angles, of_curve = reading.degrees(dataset["crank_angle"]), _is_curve(dataset)
+    factor, unit = _unit(dataset)
+    scaled = factor * dataset[[n for n in _PLACES if n in dataset]]
+    curves = _paths(scaled["position"].expand_dims("path"), states, angles)
+    doubles = _double_points(dataset, factor)
+    panes = [Pane("", [*curves, *doubles], title="Coupler point" if of_curve else "Point")]
+    if "close_up" in dataset:
+        # Without marks: it is fine whatever the crank angles.
+        close = _paths(scaled["close_up"].rename(window="path"), states)
+        x, y = _frame(reading.values_of(scaled["framed"], "framed_place", "component"))
+        heading = "Close-up of the loops"
+        panes.append(Pane("", [*close, *doubles], title=heading, x_limits=x, limits=y))
+    pins = _paths(scaled["pin_position"].rename(pin="path"), states, angles)
+    names, heading = list[Note](), "Pins A and B" if of_curve else "Ends of its link"
+    for name, path in zip(reading.names_of(dataset, "pin"), pins, strict=False):
+        top, over = int(path.y.argmax()), NAME_OVER * float(np.ptp(pins[0].y))
+        above: Look = {"ha": "center", "va": "bottom"}
+        names.append(Note(float(path.x[top]), float(path.y[top]) + over, name, above))
+    if found := drawn_posture(dataset):
+        heading += f", crank at {np.degrees(found[2]):.4g}°"
+    panes.append(Pane("", pins, title=heading, notes=names))
+    look: Look = {"label": f"y ({unit})", "along": f"x ({unit})", "height": PAGE_HEIGHT}
+    # A page shows the first one alone.
+    first, *others = (replace(pane, **look) for pane in panes)
+    panes = [first, *(replace(pane, apart="plane") for pane in others)]
+    legend = {_counted(dataset, s): style.series_line(n) for n, s in enumerate(states)}
+    # Beyond the crank angles drawn, marks stand off the lines.
+    where = "" if np.ptp(angles) > 360.0 - 1e-4 else " of the whole curve"
+    for kind, mark in MARKS.items():
+        if kind in dataset["double_point_kind"].values:
+            legend[kind + where] = {"color": "black", "ls": "", "marker": mark, "mfc": "none"}
+    title = "Coupler curve" if of_curve else "Path of a point"
+    height = HEIGHT if len(panes) == 2 else HEIGHT_OF_THREE
+    layout, along = grid(1, len(panes), height), f"x ({unit})"
+    return Picture(panes, along, dataset, title, over="plane", layout=layout, legend=legend)
+
+
+def _unit(dataset: xr.Dataset) -> tuple[float, str]:
+    """Unit of a picture of paths, and how many of it a metre has."""
+    extent = dataset["position"].max("crank_angle") - dataset["position"].min("crank_angle")
+    return (1.0, "m") if float(extent.max()) > METRES else (1e3, "mm")
 
 
 def _is_curve(dataset: xr.Dataset) -> bool:
@@ -293,51 +328,47 @@ def _counted(dataset: xr.Dataset, state: str) -> str:
     return f"{state}: " + ", ".join(f"{n} {kind}{'' if n == 1 else 's'}" for n, kind in counts)
 
 
-def _draw_paths(axes: Axes, paths: FloatArray, angles: FloatArray | None = None) -> None:
-    """Paths of states in parts; shape (state, part, point, component)."""
-    for number, parts in enumerate(paths):
-        axes.plot(parts[..., 0].T, parts[..., 1].T, **style.series_line(number, angles))
+def _paths(
+    places: xr.DataArray, states: Sequence[str], angles: FloatArray | None = None
+) -> list[Curve]:
+    """Paths of states, with dims state, path, component and places along the path."""
+    values = places.transpose("state", "path", "component", ...).values
+    return [
+        Curve(x, y, style.series_line(number, angles), name, angle=angles)
+        for number, (name, paths) in enumerate(zip(states, values, strict=True))
+        for x, y in paths
+    ]
 
 
-def _draw_double_points(axes: Axes, dataset: xr.Dataset, scale: float) -> None:
-    states = reading.names_of(dataset, "state")
-    places = reading.values_of(
-        scale * dataset["double_point_position"], "double_point", "component"
+def _double_points(dataset: xr.Dataset, factor: float) -> list[Curve]:
+    """Double points of the curves in the colours of their states."""
+    places = factor * reading.values_of(
+        dataset["double_point_position"], "double_point", "component"
     )
-    names = (reading.names_of(dataset, f"double_point_{what}") for what in ("state", "kind"))
-    for state, kind, place in zip(*names, places, strict=True):
+    states = reading.names_of(dataset, "state")
+    found = (reading.names_of(dataset, f"double_point_{what}") for what in ("state", "kind"))
+    curves = list[Curve]()
+    for state, kind, (x, y) in zip(*found, places[..., None], strict=True):
+        look: Look = {"ls": "", "ms": 6.0, "mfc": "none", "zorder": 4, "marker": MARKS[kind]}
         color = style.series_style(states.index(state)).color
-        axes.plot(*place, marker=MARKS[kind], ms=6, mfc="none", color=color, zorder=4)
+        curves.append(Curve(x, y, look | {"color": color}, kind))
+    return curves
 
 
-def _name_pins(axes: Axes, names: list[str], paths: FloatArray) -> None:
-    """Write A and B over their paths; shape (pin, point, component)."""
-    axes.margins(0.15)
-    for name, path in zip(names, paths, strict=True):
-        top = path[path[:, 1].argmax()]
-        axes.annotate(name, top, xytext=(0, 5), textcoords="offset points", ha="center")
-
-
-def _draw_linkage(axes: Axes, dataset: xr.Dataset, scale: float) -> str:
-    """The linkage behind the paths where the dataset knows it, and at which crank angle it is."""
-    found = drawn_posture(dataset)
-    if found is None:
-        return ""
-    links, parts, angle = found
-    sketch = LinkageSketch(links, parts, mark_size=SMALL)
-    to_axes = Affine2D().scale(scale)
+def _draw_linkage(axes: Axes, sketch: LinkageSketch, factor: float) -> None:
+    """The linkage behind paths in the unit of a picture."""
+    to_axes = Affine2D().scale(factor)
     add_symbols(axes, sketch.ground(), to_axes)
-    for link, look in zip(links, sketch.link_looks(RIGID), strict=True):
-        axes.plot(*(scale * link).T, **look, zorder=1)
+    for link, look in zip(sketch.links, sketch.link_looks(RIGID), strict=True):
+        axes.plot(*(factor * link).T, **look, zorder=1)
     add_symbols(axes, sketch.on_links(), to_axes)
-    return f", crank at {np.degrees(angle):.4g}°"
 
 
-def _frame(axes: Axes, places: FloatArray) -> None:
-    """Show places, with room around them."""
+def _frame(places: FloatArray) -> list[tuple[float, float]]:
+    """Limits of x and y that show places, with room around them."""
     middle = (places.max(axis=0) + places.min(axis=0)) / 2
-    to_edges = CLOSE_UP_ROOM * np.ptp(places, axis=0).max() / 2 * np.array([-1.0, 1.0])
-    axes.set(xlim=middle[0] + to_edges, ylim=middle[1] + to_edges)
+    half = CLOSE_UP_ROOM * np.ptp(places, axis=0).max() / 2
+    return [(float(place - half), float(place + half)) for place in middle]
 
 
 # More columns are too narrow for the numbers of their axes; what is left out stands in the tables.

@@ -150,6 +150,8 @@ class Pane:
         Label of its axis along x, where panes differ in it.
     named : sequence of str
         What stands at 1, 2, 3 and so on along x; empty: numbers.
+    rows : sequence of str
+        What stands at 1, 2, 3 and so on along y, from the top; empty: numbers.
     notes : sequence of Note
         A page leaves them out.
     x_limits, x_ticks : sequence of float
@@ -170,6 +172,7 @@ class Pane:
     height: float = 1.0
     along: str = ""
     named: Sequence[str] = ()
+    rows: Sequence[str] = ()
     notes: Sequence[Note] = ()
     x_limits: tuple[float, float] | None = None
     x_ticks: Sequence[float] | FloatArray = ()

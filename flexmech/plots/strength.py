@@ -1,53 +1,31 @@
-"""Strength: margins on the drawn linkage, and internal forces along the links."""
+"""Strength: how much of it links and pins use and where, and internal forces along the links."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import replace
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LinearSegmentedColormap, Normalize
-from matplotlib.figure import Figure
 
 from flexmech.arrays import FloatArray
-from flexmech.errors import InputError
 from flexmech.plots import reading, scales, style
 from flexmech.plots.drawing import figure
-from flexmech.plots.drawn_linkage.sketch import LinkageSketch, clearance
-from flexmech.plots.drawn_linkage.symbols import drawn_posture
-from flexmech.plots.layout import AxesLike, grid, height_of, sheet
-from flexmech.plots.picture import ZERO, Curve, Pane, Picture
+from flexmech.plots.layout import grid
+from flexmech.plots.picture import ZERO, Choice, Curve, Note, Pane, Picture, Span
 
-# Without the palest, which are not seen beside white, and the darkest, which are near to that of
-# parts that fail.
-COLOURS = LinearSegmentedColormap.from_list(
-    "strength used", mpl.colormaps["YlOrRd"](np.linspace(0.2, 0.85, 256))
-).with_extremes(over="black")
-# Scale in percent: at its end a part fails, whatever the loads of a figure.
-FAILS, TICKS = 100.0, (0.0, 25.0, 50.0, 75.0, 100.0)
-NOT_JUDGED = "0.75"
-# What the marks of margins of each kind are of, in the legend.
-WORST = {"link": "worst place", "fatigue": "worst place by fatigue", "pin": "pin"}
-# What stands beside them, told of the first and of the others.
-FIRST, OTHERS = "with its load factor", "likewise"
+# In percent: there a part fails.
+FAILS = 100.0
+# Axes along used strength end at so much over the greatest.
+ROOM = 1.12
 # Digits of a load factor: loads and strengths are known to fewer.
 DIGITS = 3
-# Width of links in points, wide enough for their colour to be seen.
-WIDE = 5.0
-LEAST_HEIGHT, MOST_HEIGHT = 2.2, 4.6
-# Room of a number beside its place, over the linkage's size; how far it stands off, in points,
-# and in which directions beside a joint.
-NAME_ROOM = 0.08
-AWAY = 17.0
-_TURN = np.radians(np.arange(0.0, 360.0, 15.0))
-TRIED = np.column_stack([np.cos(_TURN), np.sin(_TURN)])
-# A place so near a joint is at it, over the linkage's size.
-NEAR = 0.02
+# Heights in inches: of a part with its words, of the curves along the links, and of the axes.
+ROW, CURVES, AXES = 0.38, 1.7, 0.5
+# Words over a part's line: how far over it, in rows.
+ABOVE = 0.12
+# What the parts of each kind are called.
+KINDS = {"link": "{}", "fatigue": "{},\nfatigue", "pin": "pin {}"}
+LIMIT = Span(FAILS, FAILS, {"color": style.MID_GREY, "lw": 0.8, "ls": ":"}, "fails")
 # Height of a row of panels in inches.
 PANEL = 1.3
 # Internal forces: variable, words, factors and units to choose from.
@@ -60,115 +38,124 @@ FORCES = (
 NUMBERS, NARROW_NUMBERS = 4, 2
 
 
-def plot_strength(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw the linkage, each link coloured by what part of its strength its loads take.
+@figure
+def plot_strength(dataset: xr.Dataset) -> Picture:
+    """Draw what part of its strength each link and pin uses, and each link along its length.
 
-    That is one over its least load factor, for ever where its endurance is judged. The scale ends
-    where a part fails; what fails is black. The worst place of each link is marked with its load
-    factor, and so is each pin that is judged. Links whose layers are not known are grey.
+    That is one over the least load factor, for ever where endurance is judged: at 100 % a part
+    fails. A part has a row, the weakest first, with its load factor, the kind of failure, the place
+    from the link's start, and the crank angle. Below, each place of a link is at its worst crank
+    angle; links whose layers are not known are left out.
 
     Parameters
     ----------
     dataset : Dataset
-        With ``margin_part``, ``margin_kind``, ``margin_load_factor`` and ``margin_position``
-        (margin), the weakest first, ``length`` (link), and the attributes ``drawing``, with a
-        posture, and ``mechanism``.
-    ax : Axes, optional
-        The user's. Left out: a new figure is made.
+        With ``margin_part``, ``margin_kind``, ``margin_load_factor``, ``margin_position`` in m,
+        ``margin_crank_angle`` in rad and ``margin_mode`` (margin), the weakest first;
+        ``load_factor`` (engine, link, station, layer, surface) and ``position`` (link, station).
+    ax : sequence of Axes, optional
+        Two of the user's, or one where pins alone are judged. Left out: a new figure is made.
 
     Returns
     -------
     Figure
-
-    Raises
-    ------
-    InputError
-        If the dataset holds no posture.
     """
-    found = drawn_posture(dataset)
-    if found is None:
-        raise InputError("the result holds no posture to draw; compute it anew")
-    links, parts, angle = found
-    sketch = LinkageSketch(links, parts)
-    names = reading.names_of(dataset, "link")
-    weakest = _weakest(dataset, names)
-    used = {mark.part: mark.used for mark in weakest if mark.kind != "pin"}
-    colours = ScalarMappable(Normalize(0.0, FAILS), COLOURS)
-    room = NAME_ROOM * sketch.size
-    places = np.concatenate(links)
-    limits = sketch.limits(np.vstack([places - room, places + room]))
-    height = height_of(limits, style.figure_width(), LEAST_HEIGHT, MOST_HEIGHT)
-    with sheet(grid(1, 1, height), ax=ax) as drawn:
-        (axes,) = drawn.panels
-        sketch.frame(axes, limits)
-        drawn.header(
-            _handles(weakest, names),
-            f"Margins at {_drive_text(dataset)}, drawn at crank angle {np.degrees(angle):.4g}°",
-            of=dataset,
-        )
-        sketch.draw(axes, color="0.3", lw=1.0)
-        for name, link in zip(names, links, strict=True):
-            colour = colours.to_rgba(np.array(used[name])) if name in used else NOT_JUDGED
-            axes.plot(*link.T, color=colour, lw=WIDE, zorder=1.5, solid_capstyle="round")
-        _mark_worst(axes, dataset, sketch, weakest, colours)
-        sketch.draw_scale_bar(axes)
-        beyond = max(mark.used for mark in weakest) > FAILS
-        extend = "max" if beyond else "neither"
-        drawn.colour_bar(colours, "1 / load factor (%)", ticks=TICKS, extend=extend)
-    return drawn.figure
+    panes, curves = [_parts(dataset)], used_curves(dataset.isel(engine=0))
+    heights = [ROW * len(panes[0].rows)]
+    if curves:
+        panes.append(used_pane(curves))
+        heights.append(CURVES)
+    layout = grid(len(panes), 1, sum(heights) + AXES * len(panes), height_ratios=heights)
+    title = f"Strength used at {_drive_text(dataset)}"
+    return Picture(panes, "", dataset, title, layout=layout)
 
 
-@dataclass(frozen=True)
-class Mark:
-    """Worst place of a link, or a pin.
+def _parts(dataset: xr.Dataset) -> Pane:
+    """A row for each link and pin: how much of its strength its worst place uses."""
+    links, names = reading.names_of(dataset, "link"), ("part", "kind", "load_factor")
+    columns = (*names, "position", "crank_angle", "mode")
+    worst: dict[tuple[str, str], tuple[float, float, float, str]] = {}
+    for part, kind, *of_part in zip(*(dataset[f"margin_{n}"].values for n in columns), strict=True):
+        if kind == "pin" or part in links:
+            worst.setdefault((part, kind), tuple(of_part))
+    used = np.array([FAILS / factor if factor else np.inf for factor, *_ in worst.values()])
+    most = ROOM * float(used[np.isfinite(used)].max(initial=FAILS / 1e3))
+    curves, notes = list[Curve](), list[Note]()
+    small: style.Look = {"fontsize": style.LABEL_POINTS, "va": "bottom"}
+    for row, ((part, kind), (factor, place, angle, mode)) in enumerate(worst.items(), 1):
+        number = links.index(part) if kind != "pin" else None
+        color = "0.2" if number is None else style.series_style(number).color
+        x, y = np.array([0.0, min(used[row - 1], most)]), np.full(2, float(row))
+        dot: style.Look = {"color": color, "ls": "", "marker": "o", "ms": 5.0}
+        curves += [Curve(x, y, {"color": color, "lw": 1.2}), Curve(x[1:], y[1:], dot)]
+        where = f" at {1e3 * place:.4g} mm" if np.isfinite(place) else ""
+        words = f"{factor:.{DIGITS}g}: {mode}{where}, crank at {np.degrees(angle):.3g}°"
+        notes.append(Note(0.01 * most, row - ABOVE, words, small))
+    return Pane(
+        "",
+        curves,
+        title="Worst place of each part: load factor and kind of failure",
+        spans=(replace(LIMIT, upright=True),) if most > FAILS else (),
+        along="1 / load factor (%)",
+        rows=[KINDS[kind].format(part) for part, kind in worst],
+        notes=notes,
+        x_limits=(0.0, ROOM * most),
+        apart="number",
+    )
+
+
+def used_curves(own: xr.Dataset, name: str = "", when: Choice | None = None) -> list[Curve]:
+    """Strength used along each link in percent, at the worst crank angle of each place.
 
     Parameters
     ----------
-    part : str
-        Link or joint.
-    kind : str
-        Kind of its least margin.
-    factor : float
-        Least load factor.
-    position : float
-        From the link's start in m; not a number of a pin.
+    own : Dataset
+        Part of a dataset of a ``Strength`` result by one engine.
+    name : str
+        What the legend adds to the names of the links.
+    when : mapping, optional
+        What the reader of a page must have chosen.
+
+    Returns
+    -------
+    list of Curve
     """
-
-    part: str
-    kind: str
-    factor: float
-    position: float
-
-    @property
-    def used(self) -> float:
-        """Strength that loads take in percent; infinite where nothing is left for them."""
-        return FAILS / self.factor if self.factor else math.inf
-
-
-def _weakest(dataset: xr.Dataset, links: list[str]) -> list[Mark]:
-    """Least margin of each link and of each pin, weakest first; a joint may have a link's name."""
-    columns = (dataset[f"margin_{n}"].values for n in ("part", "kind", "load_factor", "position"))
-    found: dict[tuple[str, bool], Mark] = {}
-    for part, kind, factor, position in zip(*columns, strict=True):
-        mark = Mark(str(part), str(kind), float(factor), float(position))
-        if kind == "pin" or part in links:
-            found.setdefault((mark.part, kind == "pin"), mark)
-    return list(found.values())
+    curves, links = list[Curve](), reading.names_of(own, "link")
+    for link in judged_links(own):
+        place = 1e3 * own["position"].sel(link=link).values
+        known = np.isfinite(place)
+        with np.errstate(divide="ignore"):
+            percent = FAILS / least_factor(own, link)[known]
+        # What breaks without any load has no end.
+        percent[np.isinf(percent)] = np.nan
+        look = style.series_line(links.index(link))
+        curves.append(Curve(place[known], percent, look, f"{link}{name}", when=when or {}))
+    return curves
 
 
-def _handles(weakest: list[Mark], links: list[str]) -> list[Artist]:
-    """Entries of the legend for what is in the figure."""
-    kinds = {mark.kind for mark in weakest}
-    judged = {mark.part for mark in weakest if mark.kind != "pin"}
-    handles = [
-        style.line_handle(f"{WORST[kind]}, {OTHERS if number else FIRST}", **_MARKS[kind])
-        for number, kind in enumerate(kind for kind in WORST if kind in kinds)
-    ]
-    if max(mark.used for mark in weakest) > FAILS:
-        handles.append(style.line_handle("fails (over 100 %)", color="black", lw=WIDE))
-    if set(links) - judged:
-        handles.append(style.line_handle("not judged", color=NOT_JUDGED, lw=WIDE))
-    return handles
+def used_pane(curves: list[Curve]) -> Pane:
+    """Strength used along links, with the line at which they fail where they come near to it."""
+    most = max(float(np.nanmax(curve.y, initial=0.0)) for curve in curves)
+    return Pane(
+        "1 / load factor (%)",
+        curves,
+        title="Along the links",
+        spans=(LIMIT,) if ROOM * most > FAILS else (),
+        limits=(0.0, ROOM * most or 1.0),
+        along="Place from the link's start (mm)",
+    )
+
+
+def judged_links(own: xr.Dataset) -> list[str]:
+    """Links of whose places load factors are known, in order."""
+    known = own["load_factor"].notnull().any([d for d in own["load_factor"].dims if d != "link"])
+    return [name for name in reading.names_of(own, "link") if bool(known.sel(link=name))]
+
+
+def least_factor(own: xr.Dataset, link: str) -> FloatArray:
+    """Least load factor of the layers at each station of a link, infinite where nothing grows."""
+    factor = reading.values_of(own["load_factor"].sel(link=link), "station", "layer", "surface")
+    return np.asarray(np.nanmin(np.where(np.isnan(factor), np.inf, factor), axis=(1, 2)))
 
 
 def _drive_text(dataset: xr.Dataset) -> str:
@@ -177,60 +164,6 @@ def _drive_text(dataset: xr.Dataset) -> str:
     engine = reading.names_of(dataset, "engine")[0]
     whose = "rigid links" if engine == "rigid" else f"{source}, {engine} engine"
     return f"{reading.drive_text(dataset)} ({whose})"
-
-
-def _mark_worst(
-    axes: Axes,
-    dataset: xr.Dataset,
-    sketch: LinkageSketch,
-    weakest: list[Mark],
-    colours: ScalarMappable,
-) -> None:
-    """Mark the worst place of each link and each pin, and write its load factor beside it."""
-    links = dict(zip(reading.names_of(dataset, "link"), sketch.links, strict=True))
-    joints = {joint["name"]: sketch.place(joint["at"]) for joint in sketch.parts.joints}
-    middle = np.mean([link.mean(axis=0) for link in sketch.links], axis=0)
-    marked: list[FloatArray] = []
-    for mark in weakest:
-        if mark.kind == "pin":
-            place, along = joints[mark.part], np.zeros(2)
-        else:
-            start, end = links[mark.part][0], links[mark.part][-1]
-            along = (end - start) / np.hypot(*(end - start))
-            place = start + (end - start) * mark.position / float(
-                dataset["length"].sel(link=mark.part)
-            )
-        if any(np.hypot(*(place - other)) <= NEAR * sketch.size for other in marked):
-            continue  # of parts that are worst at one place the weakest one has it
-        marked.append(place)
-        look = _MARKS[mark.kind]
-        if mark.kind == "pin":
-            look = look | {"mfc": colours.to_rgba(np.array(mark.used))}
-        axes.plot(*place, **look, zorder=5)
-        outward = np.array([-along[1], along[0]])
-        outward = outward if outward @ (place - middle) >= 0 else -outward
-        ends = [place] if mark.kind == "pin" else [start, end]
-        if any(np.hypot(*(place - own)) <= NEAR * sketch.size for own in ends):
-            # Away from all links that meet there, and from supports.
-            room = [round(clearance(one, sketch.occupied(place)), 6) for one in TRIED]
-            outward = TRIED[int(np.argmax(room))]
-        box: style.Look = {"textcoords": "offset points", "ha": "center", "va": "center"}
-        box["bbox"] = {"fc": "white", "lw": 0, "alpha": 0.8, "pad": 0.5}
-        axes.annotate(
-            f"{mark.factor:.{DIGITS}g}",
-            (place[0], place[1]),
-            tuple(AWAY * outward),
-            zorder=6,
-            **box,
-        )
-
-
-_WHITE: style.Look = {"ls": "", "mfc": "white", "mec": "black"}
-_MARKS: dict[str, style.Look] = {
-    "link": {"marker": "o", "ms": 5.0} | _WHITE,
-    "fatigue": {"marker": "s", "ms": 5.0} | _WHITE,
-    "pin": {"marker": "D", "ms": 5.5} | _WHITE,
-}
 
 
 @figure

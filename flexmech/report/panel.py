@@ -120,7 +120,8 @@ def _axis(title: str, pane: Pane) -> dict[str, Any]:
     """An axis along y, with its ends where it is linear; without them they are the traces'."""
     linear = pane.scale == "linear"
     ends = list(pane.limits or ()) if linear else []
-    return {"title": title, "logarithmic": not linear, "ends": ends, "height": pane.height}
+    axis = {"title": title, "logarithmic": not linear, "ends": ends, "height": pane.height}
+    return axis | {"rows": list(map(_markup, pane.rows))}
 
 
 def _beside(label: str, height: float) -> str:

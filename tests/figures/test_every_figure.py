@@ -19,8 +19,8 @@ PAGE_HEIGHT, COLUMN, PAGE = 250.0, 88.0, 180.0
 # Letters may not be smaller, in points.
 LEAST_LETTERS = 6.5
 OF_SEVERAL_MECHANISMS = {plots.plot_verification}
-# Their lines are coloured by time, and by load factor.
-BY_A_SCALE = {plots.plot_moisture, plots.plot_strength}
+# Its lines are coloured by time.
+BY_A_SCALE = {plots.plot_moisture}
 # Okabe and Ito, *Color Universal Design*, 2008.
 SAFE_COLOURS = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"}
 

@@ -126,9 +126,20 @@ def test_balance_draws_the_path_of_the_shaking_force() -> None:
 
 
 def test_strength_marks_the_worst_places_with_their_load_factors() -> None:
-    data, (axes,) = data_of(plots.plot_strength), panels(figure_of(plots.plot_strength))
-    factors = [f"{factor:.3g}" for factor in data["margin_load_factor"].values]
-    assert set(factors) <= {text.get_text() for text in axes.texts}
+    data, (axes, along) = data_of(plots.plot_strength), panels(figure_of(plots.plot_strength))
+    factors, parts = data["margin_load_factor"].values, data["margin_part"].values.tolist()
+    modes = data["margin_mode"].values
+    told = [f"{f:.3g}: {mode} at " for f, mode in zip(factors, modes, strict=True)]
+    texts = [text.get_text() for text in axes.texts]
+    assert [text[: len(words)] for text, words in zip(texts, told, strict=True)] == told
+    assert [label.get_text() for label in axes.get_yticklabels()] == parts
+    dots = [line.get_xydata()[0] for line in axes.lines if line.get_marker() == "o"]
+    np.testing.assert_allclose(dots, np.stack([100 / factors, [1, 2, 3]], axis=-1))
+    most = {line.get_color(): np.nanmax(line.get_ydata()) for line in along.lines}
+    links = data["link"].values.tolist()
+    for part, factor in zip(parts, factors, strict=True):
+        color = plots.SERIES_STYLES[links.index(part)].color
+        assert most[color] == pytest.approx(100 / factor)
 
 
 def test_points_with_a_guide_move_along_it_and_a_crank_pin_is_not_drawn() -> None:

@@ -126,20 +126,16 @@ def test_distributions_have_unit_area_and_the_percentiles_of_the_dataset() -> No
     assert area == pytest.approx(1.0)
 
 
-def test_shares_of_the_variance_are_bars_with_their_intervals() -> None:
+def test_shares_of_the_variance_are_points_with_their_intervals() -> None:
     data, axes = data_of(plots.plot_sensitivity), panels(figure_of(plots.plot_sensitivity))[0]
-    first, total = axes.containers
-    for bars, name in ((first, "first_order"), (total, "total")):
-        shares = data[name].sel(output="f1").values
-        np.testing.assert_allclose([bar.get_width() for bar in bars], shares)
-    ends = [segment[:, 0] for part in axes.collections for segment in part.get_segments()]
-    low, high = (
-        np.concatenate(
-            [data[f"{name}_{end}"].sel(output="f1") for name in ("first_order", "total")]
-        )
-        for end in ("low", "high")
-    )
-    np.testing.assert_allclose(ends, np.stack([low, high], axis=-1))
+    own = data.sel(output="f1")
+    points = [line for line in axes.lines if line.get_marker() in ("o", "s")]
+    broken = [line.get_xdata() for line in axes.lines if np.isnan(line.get_xdata()).any()]
+    intervals = [x.reshape(-1, 3) for x in broken]
+    for dots, ends, name in zip(points, intervals, ("first_order", "total"), strict=True):
+        np.testing.assert_allclose(dots.get_xdata(), own[name])
+        np.testing.assert_allclose(ends[:, :2], own[[f"{name}_low", f"{name}_high"]].to_array().T)
+        assert np.isnan(ends[:, 2]).all()
     without = data.drop_dims("input").assign_attrs(no_shares="inputs are correlated")
     with pytest.raises(InputError, match="correlated"):
         plots.plot_sensitivity(without)

@@ -148,6 +148,13 @@ def test_links_that_do_not_bend_have_no_curve(write: Write) -> None:
     assert not any("Crank" in label for label in labels)
 
 
+def test_double_points_of_a_coupler_curve_stand_on_the_page(write: Write) -> None:
+    data = results.coupler_paths().dataset
+    shown = write(results.coupler_paths()).traces("coupler")
+    crunodes = [(float(t.x[0]), float(t.y[0])) for t in shown if t.name == "crunode"]
+    np.testing.assert_allclose(crunodes, 1e3 * data["double_point_position"], rtol=1e-6)
+
+
 def test_several_results_of_a_kind_are_told_apart(write: Write) -> None:
     """Torques of inertia grow as the square of the speed."""
     request = (

@@ -18,11 +18,9 @@ from flexmech.plots.designs import (
     label,
     outputs_of,
     pareto_picture,
-    short_name,
     varying,
 )
-from flexmech.plots.picture import Curve, Pane, Picture
-from flexmech.plots.style import series_line
+from flexmech.plots.picture import Picture
 from flexmech.report import panel
 from flexmech.report.panel import Plot, plotted
 from flexmech.report.results import Results
@@ -31,8 +29,6 @@ from flexmech.units import from_si
 
 # Of a sweep, variables with a plot of their own, and outputs above each other in each.
 MOST_VARIABLES, MOST_OUTPUTS = 4, 6
-# Shares of Sobol's indices: what they are called, and how far beside their input they stand.
-SHARES = (("first_order", "first order", -0.08), ("total", "total", 0.08))
 
 
 @panel.shows(DesignSweep)
@@ -66,7 +62,8 @@ def uncertainty_panel(result: Uncertainty, results: Results) -> panel.Panel:
     known = (data["status"].values == "ok").any()
     shown = [_distribution(data, name) for name in outputs[:MOST_OUTPUTS] if known]
     if "total" in data:
-        shown.append(_shares(data, outputs[:MOST_OUTPUTS]))
+        shares = plots.plot_sensitivity.picture(data.sel(output=outputs[:MOST_OUTPUTS]))
+        shown.append(plotted("sensitivity", shares, "Share of each input in the variance"))
     if "frequency_percentile" in data:
         shown.append(plotted("frequency-bands", plots.plot_frequency_bands.picture(data)))
     thinned = tuple(f"plots of {name}" for name in outputs[MOST_OUTPUTS:])
@@ -77,25 +74,6 @@ def _distribution(data: xr.Dataset, output: str) -> Plot:
     pane = replace(distribution_pane(data, output), label="Probability density")
     picture = Picture([pane], pane.along, data)
     return plotted(f"distribution-{output}", picture, f"Distribution of {output}")
-
-
-def _shares(data: xr.Dataset, outputs: Sequence[str]) -> Plot:
-    """Sobol's indices as points with their intervals, outputs above each other."""
-    names = tuple(map(short_name, data["input"].values.tolist()))
-    place, panes = np.arange(1.0, len(names) + 1), []
-    for output in outputs:
-        own, curves = data.sel(output=output), list[Curve]()
-        for colour, (name, words, beside) in enumerate(SHARES):
-            x, look = place + beside, series_line(colour)
-            points = look | {"ls": "", "marker": "o", "ms": 6.0}
-            curves.append(Curve(x, own[name].values, points, words))
-            # One broken line a group: from one end of each interval to the other.
-            gap = np.full(x.size, np.nan)
-            ends = np.stack([own[f"{name}_low"].values, own[f"{name}_high"].values, gap], axis=-1)
-            curves.append(Curve(np.repeat(x, 3), ends.ravel(), look, followed=None))
-        panes.append(Pane(f"Share in {output}", curves, named=names))
-    picture = Picture(panes, "Input", data)
-    return plotted("sensitivity", picture, "Share of each input in the variance")
 
 
 @panel.shows(Optimum)

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 
-import numpy as np
 import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses import Balance, CouplerPaths, Kinematics, ModelCheck
 from flexmech.plots.kinematics import (
     MOST_POINTS,
+    coupler_picture,
     drawn_points,
     motion_picture,
 )
 from flexmech.plots.mechanism import transmission_picture
-from flexmech.plots.picture import Choice, Curve, Pane, Picture, joined
-from flexmech.plots.reading import degrees, names_of
-from flexmech.plots.style import series_line
+from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.report import panel
 from flexmech.report import results as words
 from flexmech.report.panel import Plot, plotted
@@ -64,19 +62,7 @@ def _plots(shown: list[tuple[Choice, xr.Dataset]]) -> Iterator[Plot]:
 @panel.shows(CouplerPaths)
 def coupler_panel(result: CouplerPaths, results: Results) -> panel.Panel:
     """Coupler curves of each state, with their crunodes and cusps."""
-    data, curves = result.dataset, list[Curve]()
-    angle = degrees(data["crank_angle"])
-    for number, name in enumerate(names_of(data, "name")):
-        x, y = (1e3 * data["position"].isel(state=number).sel(component=c).values for c in "xy")
-        curves.append(Curve(x, y, series_line(number), name, angle=angle))
-        points = np.flatnonzero(data["double_point_state"].values == number)
-        if points.size:
-            x, y = 1e3 * data["double_point_position"].values[points].T
-            look = series_line(number) | {"ls": "", "marker": "o", "ms": 6.0}
-            curves.append(Curve(x, y, look, f"crunode or cusp, {name}"))
-    pane = Pane("y (mm)", tuple(curves), height=2.4)
-    picture = Picture([pane], "x (mm)", data, over="plane")
-    plot = plotted("coupler", picture)
+    plot = plotted("coupler", coupler_picture(result.dataset))
     return panel.panel_of("coupler-curve", result.summary(), plots=(plot,))
 
 

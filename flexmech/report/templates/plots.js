@@ -55,6 +55,7 @@
         exponentformat: "power",
       };
       if (axis.ends.length) layout[name].range = axis.ends;
+      if (axis.rows.length) Object.assign(layout[name], { range: [axis.rows.length + 0.6, 0.4], tickvals: axis.rows.map((_, row) => row + 1), ticktext: axis.rows });
       top -= part;
     });
     if (spec.equal) Object.assign(layout.yaxis, { scaleanchor: "x", scaleratio: 1 });
