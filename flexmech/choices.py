@@ -25,15 +25,11 @@ Prestress = Literal["none", "axial", "equilibrium"]
 PRESTRESS_LEVELS: tuple[Prestress, ...] = get_args(Prestress)
 MapPrestress = Literal["none", "axial", "equilibrium", "trajectory"]
 """With the states of the simulated, steady motion besides."""
-MAP_PRESTRESS_LEVELS: tuple[MapPrestress, ...] = get_args(MapPrestress)
-StabilityPrestress = Literal["axial", "equilibrium", "trajectory"]
-"""Motions whose stability can be computed; the last is the periodic orbit itself."""
 RotationTerm = Literal["coriolis", "centripetal", "tangential"]
 """An inertial term of the turning link frames, in the order in which a split adds them."""
 ROTATION_TERMS: tuple[RotationTerm, ...] = get_args(RotationTerm)
 MovingFrame = Literal["link", "inertial"]
 """Axes in which displacements of running links are written."""
-MOVING_FRAMES: tuple[MovingFrame, ...] = get_args(MovingFrame)
 LinkDirection = Literal["transverse", "axial"]
 """Directions of a force on a point of a link, or of its displacement, in the link's frame."""
 LINK_DIRECTIONS: tuple[LinkDirection, ...] = get_args(LinkDirection)
@@ -70,7 +66,6 @@ CRITERIA: tuple[CriterionName, ...] = get_args(CriterionName)
 LoadSource = Literal["quasi-static", "periodic", "transient", "rigid"]
 """Motion whose internal forces a link has to bear: of elastic links at rest in their frames, their
 steady vibration, a run from straight links at full speed, or of links that are taken as rigid."""
-LOAD_SOURCES: tuple[LoadSource, ...] = get_args(LoadSource)
 
 TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm", "slider-crank", "planar"]
 """Model files to start from."""
@@ -98,6 +93,8 @@ KEPT_MODES = 8
 MODES = 4
 """Natural frequencies asked for by default, in maps and responses alike."""
 
+MOST_AVERAGES = 1000
+"""Impacts of a hammer test: noise falls by their root, more are taken for a slip."""
 MOST_SEED = 2**63 - 1
 """Greatest seed of random numbers: files of results keep no greater integers."""
 

@@ -37,7 +37,7 @@ def entries(doc: str, heading: str = _HEADING) -> dict[str, tuple[str, str]]:
 
 
 def with_entries(doc: str, further: dict[str, tuple[str, str]]) -> str:
-    """A docstring with further parameters behind its own.
+    """A docstring with further parameters behind its own, which stay where both name one.
 
     Parameters
     ----------
@@ -50,10 +50,12 @@ def with_entries(doc: str, further: dict[str, tuple[str, str]]) -> str:
     str
     """
     before, _, section = inspect.cleandoc(doc).partition(_HEADING)
+    known = entries(doc)
     first, *rest = _NEXT_HEADING.split(section) if section else ["", ""]
     added = [
         "\n    ".join([f"{name} : {kind}" if kind else name, *text.splitlines()])
         for name, (kind, text) in further.items()
+        if name not in known
     ]
     told = "\n".join(filter(None, [first.rstrip(), *added]))
     return "\n\n".join([f"{before.rstrip()}\n\n{_HEADING}{told}", *filter(None, rest)])

@@ -15,16 +15,8 @@ the square of the speed in the linkage's forces, which no sum of laws adds up.
 
 import numpy as np
 
-from flexmech import (
-    LawDrive,
-    ReferenceEngine,
-    ResponseRequest,
-    Shaping,
-    example_model,
-    load_mechanism,
-    plots,
-)
-from flexmech.analyses import LawShaper, amplitudes_after_stop
+from flexmech import LawDrive, ReferenceEngine, Shaping, example_model, load_mechanism, plots
+from flexmech.analyses import LawShaper, ResponseRequest, amplitudes_after_stop
 
 LAW = LawDrive("trapezoid", np.radians(60), time=0.2, dwell=0.05)
 TIMES = np.linspace(0.1, 0.3, 41)  # of the move, s

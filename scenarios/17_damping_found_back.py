@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 
 from flexmech import (
-    ComparisonRequest,
     ConstantSpeed,
     ExudynEngine,
     ReferenceEngine,
@@ -48,8 +47,8 @@ for number, link in enumerate(("coupler", "rocker")):
     record = Path(f"{link}_strain.csv")
     record.write_text("\n".join(["time [s],strain (um/m)", *rows]) + "\n")
 
-    request = ComparisonRequest(SPEED, quantity=f"{link}_mid_strain")
-    comparison = compare_with_record(ReferenceEngine(plain, ELEMENTS), record, request)
+    engine, quantity = ReferenceEngine(plain, ELEMENTS), f"{link}_mid_strain"
+    comparison = compare_with_record(engine, record, SPEED, quantity=quantity)
     comparisons[link] = comparison
     comparison.plot().savefig(f"{link}.png")
 

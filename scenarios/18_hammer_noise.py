@@ -11,14 +11,7 @@ scatter (standard deviation) of frequency and damping of the first three modes, 
 import numpy as np
 import pandas as pd
 
-from flexmech import (
-    HammerRequest,
-    ReferenceEngine,
-    example_model,
-    hammer_test,
-    load_mechanism,
-    plots,
-)
+from flexmech import ReferenceEngine, example_model, hammer_test, load_mechanism, plots
 
 DRAWS = 15
 CASES = [(method, noise) for method in ("lscf", "circle-fit") for noise in (0.01, 0.05)]
@@ -28,8 +21,8 @@ engine = ReferenceEngine(load_mechanism(example_model("composite_fourbar")), 4)
 draws = []
 for method, noise in CASES:
     for seed in range(DRAWS):
-        request = HammerRequest(np.radians([96.9]), noise=noise, seed=seed, method=method, modes=3)
-        found = hammer_test(engine, request).identified().iloc[:3]
+        asked = {"noise": noise, "seed": seed, "method": method, "modes": 3}
+        found = hammer_test(engine, np.radians([96.9]), **asked).identified().iloc[:3]
         errors = {
             words: 100 * (found[column] / found[f"eigen_{column}"] - 1)
             for column, words in QUANTITIES.items()

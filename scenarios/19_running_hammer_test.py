@@ -10,21 +10,13 @@ equations stand beside the receptance of the frozen linkage.
 
 import numpy as np
 
-from flexmech import (
-    LinkPoint,
-    ReferenceEngine,
-    RunningHammerRequest,
-    example_model,
-    load_mechanism,
-    running_hammer_test,
-)
+from flexmech import LinkPoint, ReferenceEngine, example_model, load_mechanism, running_hammer_test
 
 ELEMENTS, DAMPING_RATIO = 4, 0.01
 
 engine = ReferenceEngine(load_mechanism(example_model("aluminium_fourbar")), ELEMENTS)
 hit, seen = LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.5)
-request = RunningHammerRequest(20.0, hit, seen, damping_ratio=DAMPING_RATIO)
-found = running_hammer_test(engine, request)
+found = running_hammer_test(engine, 20.0, impact=hit, response=seen, damping_ratio=DAMPING_RATIO)
 frozen = np.hypot(found.dataset["frozen_real"], found.dataset["frozen_imag"]).max("frequency")
 for peak in found.peaks().itertuples():
     print(

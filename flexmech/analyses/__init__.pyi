@@ -26,7 +26,6 @@ from .moisture.compute import MoistureUptake as MoistureUptake
 from .moisture.compute import moisture_uptake as moisture_uptake
 from .response.measurements import deflections as deflections
 from .response.request import ResponseRequest as ResponseRequest
-from .response.request import Shaping as Shaping
 from .response.residual_vibration import amplitudes_after_stop as amplitudes_after_stop
 from .response.result import Response as Response
 from .response.shaping import LawShaper as LawShaper

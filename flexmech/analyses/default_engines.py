@@ -5,11 +5,17 @@ Analyses know no engine but by its contract; here alone one is chosen for somebo
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from flexmech import choices
 from flexmech.choices import EngineName
 from flexmech.errors import InputError
 from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from flexmech.multibody import ExudynEngine as ExudynEngine
+    from flexmech.multibody import ExudynSystem as ExudynSystem
 
 
 def engine_kind(name: EngineName) -> type[Engine]:
@@ -53,7 +59,7 @@ def chosen_engines(
     element: choices.ElementName | None = None,
     elements: int | None = None,
     shaft: choices.ShaftChoice = "prescribed",
-    mass: choices.MassChoice = "distributed",
+    mass: choices.MassChoice | None = None,
 ) -> list[Engine]:
     """Make the engines chosen, the reference first.
 
@@ -67,8 +73,9 @@ def chosen_engines(
     elements : int, optional
         On each link. Left out: as many as a map begins with.
     shaft : {"prescribed", "free"}
-    mass : {"distributed", "lumped"}
-        Mass of the reference engine; beside it Exudyn keeps distributed mass.
+    mass : {"distributed", "lumped"}, optional
+        Mass of the reference engine; beside it Exudyn keeps distributed mass, which is that of
+        both where it is left out.
 
     Returns
     -------
@@ -95,7 +102,7 @@ def chosen_engines(
     for name in chosen:
         kind = engine_kind(name)
         its_element = None if element is None else kind.element_like(element)
-        its_mass = mass if name == "reference" else "distributed"
+        its_mass = mass or "distributed" if name == "reference" else "distributed"
         count = elements or choices.ELEMENTS_A_LINK
         engines.append(kind(mechanism, count, its_element, shaft=shaft, mass=its_mass))
     return engines

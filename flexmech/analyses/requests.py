@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.default_engines import chosen_engines, engine_for
-from flexmech.analyses.options import EngineOptions
+from flexmech.analyses.options import Options
 from flexmech.arrays import FloatArray
-from flexmech.choices import MODES, SHAFTS, ShaftChoice
+from flexmech.choices import MODES
 from flexmech.docstrings import entries, with_entries
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
 from flexmech.mechanics import Engine, OverdampedError, TooManyModesError, check_elastic
 from flexmech.mechanism import Mechanism
-from flexmech.validation import check_choice, check_instance, checked_array
+from flexmech.validation import check_instance, checked_array
 
 # Beyond so many radians, eight turns, an angle is taken for degrees.
 MOST_RADIANS = 16 * np.pi
@@ -122,17 +122,24 @@ Engines = Engine | Mechanism | Sequence[Engine | Mechanism]
 
 
 def engines_of(
-    value: Engines, modes: int | None = None, shaft: ShaftChoice | None = None
+    value: Engines,
+    asked: Options | None = None,
+    modes: int | None = None,
+    *,
+    elastic: bool = True,
 ) -> list[Engine]:
     """One engine or several as a list of one or more.
 
     Parameters
     ----------
     value : Engine, Mechanism or sequence of them
+        Of a mechanism the engines that are asked for are made.
+    asked : Options, optional
+        Where it has them: engine, element, elements, mass and shaft.
     modes : int, optional
         Natural frequencies that elements which were not asked for must be fit for.
-    shaft : {"prescribed", "free"}, optional
-        In the place of the engines' own.
+    elastic : bool
+        Whether a link at least has to be elastic.
 
     Returns
     -------
@@ -141,47 +148,27 @@ def engines_of(
     Raises
     ------
     InputError
-        If there is none, or something else is among them, all links are rigid, or the shaft is
-        unknown.
+        If there is none, or something else is among them, all links are rigid, the shaft is
+        unknown, or what makes an engine is asked for beside one.
     """
+    named = {name: getattr(asked, name, None) for name in ("engine", "element", "elements", "mass")}
+    if isinstance(value, Mechanism):
+        value = chosen_engines(
+            value, **cast(Any, named | {"engine": named["engine"] or "reference"})
+        )
+    elif given := [name for name in named if named[name] != getattr(type(asked), name, None)]:
+        raise InputError(
+            f"{given[0]}: an engine is given already; leave {given[0]} out, or give the mechanism "
+            "in place of the engine"
+        )
     engines = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
     if not engines:
         raise InputError("an analysis needs an engine, got an empty list")
-    found = [engine_of(engine) for engine in engines]
+    found = [engine_of(engine, elastic=elastic) for engine in engines]
+    shaft = getattr(asked, "shaft", None)
     if shaft is not None:
-        check_choice(shaft, SHAFTS, "shaft")
         found = [e if e.shaft == shaft else e.with_(shaft=shaft) for e in found]
     return found if modes is None else [engine.fit_for(modes) for engine in found]
-
-
-def asked_engines(value: Engines, request: EngineOptions, elements: int | None = None) -> Engines:
-    """The engines given, or of a mechanism those that a request names.
-
-    Parameters
-    ----------
-    value : Engine, Mechanism or sequence of them
-    request : EngineOptions
-    elements : int, optional
-        On each link of the engines that are made.
-
-    Returns
-    -------
-    Engine, Mechanism or sequence of them
-
-    Raises
-    ------
-    InputError
-        If an engine or an element is named beside an engine.
-    """
-    if isinstance(value, Mechanism):
-        return chosen_engines(value, request.engine or "reference", request.element, elements)
-    for name in ("engine", "element"):
-        if getattr(request, name) is not None:
-            raise InputError(
-                f"{name}: an engine is given already; leave {name} out, or give the mechanism in "
-                "place of the engine"
-            )
-    return value
 
 
 Subject = TypeVar("Subject", contravariant=True)

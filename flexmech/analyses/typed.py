@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from flexmech import choices, units
 from flexmech import crank_values as crank
-from flexmech import units
 from flexmech.choices import PICTURE_FORMATS, REPORT_PARTS
 from flexmech.crank_values import GREATEST
 from flexmech.crank_values import Speeds as Speeds
@@ -22,10 +23,11 @@ if TYPE_CHECKING:
     from flexmech.arrays import FloatArray as FloatArray
     from flexmech.hygrothermal import Environment as Environment
     from flexmech.linkages import CouplerPoint as CouplerPoint
+    from flexmech.linkages import Shaping as Shaping
     from flexmech.mechanics import LinkPoint as LinkPoint
     from flexmech.mechanics import RotationTerms as RotationTerms
 else:  # Their rooms are imported where one of them is asked for.
-    CouplerPoint = Environment = FloatArray = LinkPoint = RotationTerms = Any
+    CouplerPoint = Environment = FloatArray = LinkPoint = RotationTerms = Shaping = Any
 
 # What --step and --steps take where the analysis chooses.
 _AUTO = "auto"
@@ -90,13 +92,20 @@ class Plain:
     Parameters
     ----------
     option : str
+        Empty of an argument, which has no name on a command line.
     least, most : int, optional
         Between which a whole number lies.
+    metavar : str
+        What stands for the value in the help; empty where its type is enough.
+    kind : type, optional
+        What is typed, where that is another type than the field's.
     """
 
     option: str
     least: int | None = None
     most: int | None = None
+    metavar: str = ""
+    kind: Any = None
 
 
 @dataclass(frozen=True)
@@ -144,8 +153,16 @@ def _quantity(
     return Typed(option, read, metavar, how)
 
 
-def _positive(option: str, dimension: units.Dimension, unit: str | None = None) -> Typed:
-    return _quantity(option, dimension, unit, (0.0).__lt__, "must be positive, got {!r}")
+def _positive(
+    option: str, dimension: units.Dimension, unit: str | None = None, metavar: str = ""
+) -> Typed:
+    refusal = "must be positive, got {!r}"
+    return _quantity(option, dimension, unit, (0.0).__lt__, refusal, metavar=metavar)
+
+
+def _in_radians(typed: Typed) -> Typed:
+    """The same angle in rad."""
+    return replace(typed, read=lambda text: math.radians(typed.read(text)))
 
 
 def _or_auto(typed: Typed, remedy: str = "") -> Typed:
@@ -157,7 +174,7 @@ def _or_auto(typed: Typed, remedy: str = "") -> Typed:
         except InputError as error:
             raise InputError(f"{error}{remedy}, or {_AUTO}") from error
 
-    return Typed(typed.option, read)
+    return replace(typed, read=read)
 
 
 def _by_its_room(kind: str) -> Callable[[str], Any]:
@@ -212,14 +229,16 @@ ANGLES = Typed(
     radians,
     how=' in degrees: START:STOP:STEP, a comma list, or both, as in "10:170:10,190:350:10".',
 )
-LOCKED_ANGLES = Typed("--angle", radians)
-SHAPES_AT = Typed("--shapes-at", radians)
+LOCKED_ANGLES = Typed(
+    "--angle", radians, "LIST", how=" in degrees: START:STOP:STEP, or a comma list."
+)
+SHAPES_AT = Typed("--shapes-at", radians, "LIST", ", in degrees.")
 SPEEDS = Typed("--speeds", partial(crank.typed_speeds, option="--speeds"))
 CAMPBELL_SPEEDS = Typed(
-    "--campbell-speeds", partial(crank.typed_speeds, option="--campbell-speeds")
+    "--campbell-speeds", partial(crank.typed_speeds, option="--campbell-speeds"), "LIST"
 )
 SPEED = Typed("--speed", partial(crank.typed_speed, option="--speed", turns=True))
-SPEED_OR_REST = Typed("--speed", partial(crank.typed_speed, option="--speed", turns=False))
+SPEED_OR_REST = Typed("--speed", partial(crank.typed_speed, option="--speed", turns=False), "W")
 
 
 def speeds(usual: Callable[[Any], FloatArray], *, example: str) -> TypedSpeeds:
@@ -262,43 +281,53 @@ def speed(usual: Callable[[Any], FloatArray], *, turns: bool) -> TypedSpeeds:
 
 
 _TURNING = partial(crank.typed_speed, option="--running", turns=True)
-RUNNING = Typed("--running", lambda text: Speeds(()) if text == OWN else _TURNING(text))
+RUNNING = TypedSpeeds(
+    "--running", lambda text: Speeds(()) if text == OWN else _TURNING(text), "SPEED"
+)
 ORDERS = Typed(
     "--orders", crank.parse_orders, "LIST", ': START:STOP, or a comma list such as "1,2,4".'
 )
 ROTATION_TERMS = Typed("--rotation-terms", _by_its_room("terms"), "LIST")
 LUMPED = Typed("--lumped", parse_counts, "LIST", ", as in 1,4,4; or one number for all.")
-POINT = Typed("--point", _by_its_room("point"))
-IMPACT = Typed("--impact", _by_its_room("place"))
-RESPONSE = Typed("--response", _by_its_room("place"))
-REVOLUTIONS = Typed("--revolutions", crank.parse_revolutions)
-SHAPED_MODES = Typed("--shaped-modes", parse_modes)
+POINT = Typed("--point", _by_its_room("point"), "e,gamma")
+IMPACT = Typed("--impact", _by_its_room("place"), "LINK:FRACTION")
+RESPONSE = Typed("--response", _by_its_room("place"), "LINK:FRACTION")
+REVOLUTIONS = Typed("--revolutions", crank.parse_revolutions, "NUMBER")
+AGAINST = Plain("--against", metavar="PARAMETER RANGE", kind=tuple[str, str] | None)
+RECORD = Plain("", metavar="RECORD", kind=Path)
+SHAPED_MODES = Typed("--shaped-modes", parse_modes, "LIST")
 CRANK_ACCELERATION = _quantity(
     "--crank-acceleration",
     units.ANGULAR_ACCELERATION,
     "rad/s^2",
     how=": rad/s^2 unless a unit is given.",
 )
-STEPS = _or_auto(Typed("--steps", _whole), "; write a multiple of 16, such as 256")
+STEPS = _or_auto(Typed("--steps", _whole, "auto|N"), "; write a multiple of 16, such as 256")
 _STEP_REFUSED = f"got {{!r}}, which is not positive; write a time, for example {units.TIME.example}"
-STEP = _or_auto(_quantity("--step", units.TIME, "s", (0.0).__lt__, _STEP_REFUSED))
+STEP = _or_auto(
+    _quantity("--step", units.TIME, "s", (0.0).__lt__, _STEP_REFUSED, metavar=f"{_AUTO}|SECONDS")
+)
 MOISTURE = Typed("--moisture", units.parse_percent, "PERCENT")
 RELATIVE_HUMIDITY = Typed("--relative-humidity", units.parse_percent, "PERCENT")
 _PICTURES = "format of pictures", ", as in --format pdf,svg"
 FORMATS = Typed("--format", lambda text: known_words(text, PICTURE_FORMATS, *_PICTURES))
-INCLUDE = Typed("--include", lambda text: known_words(text, REPORT_PARTS, "part of a report"))
-FIT = Typed("--fit", lambda text: tuple(name.strip() for name in text.split(",")))
+INCLUDE = Typed(
+    "--include", lambda text: known_words(text, REPORT_PARTS, "part of a report"), "LIST"
+)
+FIT = Typed("--fit", lambda text: tuple(name.strip() for name in text.split(",")), "LIST")
 
-BANDWIDTH = _positive("--bandwidth", units.FREQUENCY, "Hz")
-DURATION = _positive("--duration", units.TIME, "s")
-PULSE = _positive("--pulse", units.TIME, "s")
+BANDWIDTH = _positive("--bandwidth", units.FREQUENCY, "Hz", "HZ")
+DURATION = _positive("--duration", units.TIME, "s", "SECONDS")
+PULSE = _positive("--pulse", units.TIME, "s", "SECONDS")
 GROUND = _positive("--ground", units.LENGTH)
-NOISE = _quantity("--noise", units.RATIO)
+NOISE = _quantity("--noise", units.RATIO, metavar="RMS_FRACTION")
 SHARE = _quantity("--share", units.RATIO, metavar="PERCENT")
-TOLERATED = _quantity("--tolerated", units.RATIO)
+TOLERATED = _quantity("--tolerated", units.RATIO, metavar="RATIO")
 TEMPERATURE_RISE = _quantity("--temperature-rise", units.TEMPERATURE_DIFFERENCE, "K", metavar="C")
 _BELOW_ZERO = "must be above absolute zero, got {!r}"
-TEMPERATURE = _quantity("--temperature", units.TEMPERATURE, "degC", (0.0).__lt__, _BELOW_ZERO)
+TEMPERATURE = _quantity(
+    "--temperature", units.TEMPERATURE, "degC", (0.0).__lt__, _BELOW_ZERO, metavar="C"
+)
 EXPOSURE_TIME = replace(
     _quantity("--time", units.TIME, None, (0.0).__le__, "must be zero or positive, got {!r}"),
     metavar="T",
@@ -312,6 +341,7 @@ RUN_UP = _quantity(
     "got {!r}, which is negative; write how long the crank takes to reach its speed, for example "
     '"0.2 s"',
     RUN_UPS,
+    metavar="SECONDS",
 )
 DAMPING_RATIO = _quantity(
     "--damping-ratio",
@@ -319,20 +349,27 @@ DAMPING_RATIO = _quantity(
     None,
     lambda ratio: 0 <= ratio < 1,
     'must be at least 0 and less than 1, got {!r}; write "0.1%" or 0.001 for a tenth of a percent',
+    metavar="Z",
 )
-POSTURE_ANGLE = _quantity(
-    "--angle",
-    crank.CRANK_ANGLE,
-    "deg",
-    lambda angle: abs(angle) <= crank.MOST_DEGREES,
-    crank.BEYOND,
+POSTURE_ANGLE = _in_radians(
+    _quantity(
+        "--angle",
+        crank.CRANK_ANGLE,
+        "deg",
+        lambda angle: abs(angle) <= crank.MOST_DEGREES,
+        crank.BEYOND,
+        metavar="DEG",
+    )
 )
-RECORD_ANGLE = _quantity(
-    "--angle",
-    crank.CRANK_ANGLE,
-    "deg",
-    lambda angle: abs(angle) <= 360,
-    "got {!r}; give an angle from 0 to 360 deg",
+RECORD_ANGLE = _in_radians(
+    _quantity(
+        "--angle",
+        crank.CRANK_ANGLE,
+        "deg",
+        lambda angle: abs(angle) <= 360,
+        "got {!r}; give an angle from 0 to 360 deg",
+        metavar="DEG",
+    )
 )
 
 
@@ -363,3 +400,38 @@ def asked_environment(
 
 
 ENVIRONMENT = Together(asked_environment)
+
+
+def asked_shaping(
+    shaper: Annotated[choices.ShaperName | None, Plain("--shaper")] = None,
+    shaped_modes: Annotated[tuple[int, ...] | None, SHAPED_MODES] = None,
+    shaped_for: Annotated[choices.ShapedFor, Plain("--shaped-for")] = "end",
+    tolerated: Annotated[float | None, TOLERATED] = None,
+) -> Shaping | None:
+    """A shaper of the law of motion; None if none is asked for.
+
+    Parameters
+    ----------
+    shaper : {"zv", "zvd", "ei"}, optional
+        Run a law that stops shaped as well, beside the plain one: zv (zero vibration), zvd (zero
+        vibration and derivative) or ei (extra insensitive).
+    shaped_modes : tuple of int, optional
+        For which it is shaped, as in 1,2. Left out: those that ring by a tenth of the most or more.
+    shaped_for : {"end", "path"}
+        Whose frequencies count: end, where the crank stops; path, along its path.
+    tolerated : float, optional
+        For ei: what it leaves at the frequency, over the plain law; 5% if left out.
+    """
+    if shaper is None:
+        if shaped_modes is not None or shaped_for != "end" or tolerated is not None:
+            raise InputError(
+                "--shaped-modes, --shaped-for, --tolerated need --shaper; add --shaper"
+            )
+        return None
+    from flexmech.linkages import Shaping
+
+    with naming("--shaper, --shaped-modes, --tolerated"):
+        return Shaping(shaper, shaped_modes, shaped_for, tolerated)
+
+
+SHAPING = Together(asked_shaping)

@@ -9,17 +9,20 @@ from typing import Annotated, Any
 
 from typer import Argument, Option, echo
 
-from flexmech import analyses, studies, verification
-from flexmech.analyses import typed
+from flexmech import studies, verification
+from flexmech.analyses.options import ReportOptions
 from flexmech.analyses.typed import Together
-from flexmech.choices import MOST_SEED, TOLERANCE, EngineName, ReportPart
+from flexmech.choices import MOST_SEED, EngineName
 from flexmech.cli import options
-from flexmech.cli.asking import speeds_or_own
+from flexmech.cli.asking import given_speeds, naming_options
 from flexmech.cli.deliver import command_line, deliver, mechanism_of, progress_bar, say, typed_path
 from flexmech.cli.failures import telling
+from flexmech.crank_values import Speeds
 from flexmech.errors import ComputationError, InputError, naming, one_line
 from flexmech.files import check_writable, given_path
 
+# What a folder of results cannot be asked.
+_COMPUTED = ("include", "crank_speeds", "campbell_speeds", "environment")
 Samples = Annotated[int | None, Option(min=1)]
 StudyPath = Annotated[Path, Argument(help="Study file.", metavar="STUDY", parser=typed_path)]
 
@@ -99,18 +102,9 @@ def optimize(study: StudyPath, *, run: Run) -> None:
 
 def report(
     model: options.GivenPath,
+    keywords: Annotated[dict[str, Any], Together(ReportOptions, {"engine": "both"})],
     out: options.TypedPath = Path("report.html"),
-    include: Annotated[tuple[ReportPart, ...] | None, typed.INCLUDE] = None,
-    speeds: options.Speeds = None,
-    angles: options.Angles = options.EVERY_5_DEGREES,
-    campbell_speeds: Annotated[typed.Speeds | None, typed.CAMPBELL_SPEEDS] = None,
-    modes: options.Modes = None,
-    engine: options.Engine = "both",
-    element: options.Element = None,
-    elements: options.PinnedElements = None,
-    tolerance: options.Tolerance = TOLERANCE,
     *,
-    environment: options.AskedEnvironment,
     printing: options.AskedPrinting,
 ) -> None:
     """One self-contained page in which the linkage turns, for a colleague without Python.
@@ -124,21 +118,10 @@ def report(
         Model file, or folder of results of other commands.
     out : FILE
         HTML file to write.
-    include : LIST
-        What goes in, a comma list: frequencies, campbell, response, kinematics, coupler-curve,
-        section, moisture. Left out: all that the model has; the coupler curve where it names a
-        coupler point, moisture with --relative-humidity and --time.
-    campbell_speeds : LIST
-        Crank speeds of the Campbell diagram, as in --speeds. Left out: from zero to 1.5 times
-        the greatest of --speeds.
     """
-    import numpy as np
-
     from flexmech.analyses.crank_speeds import in_unit, rad_per_s
     from flexmech.analyses.result import reported_as_damaged
-    from flexmech.crank_values import operating_speeds
     from flexmech.report import (
-        ReportRequest,
         check_extra,
         report_results,
         report_summary,
@@ -152,39 +135,33 @@ def report(
         if not out.parent.is_dir():
             raise InputError(f"{out}: there is no folder {out.parent}; make it first")
         check_writable(out.parent, [out.name])
-    source, unit, remark = given_path(model), "rad/s" if speeds is None else speeds.unit, ""
-    with progress_bar() as progress, telling(model, unit):
+    source, speeds = given_path(model), Speeds(())
+    with progress_bar() as progress, telling(model, (keywords["crank_speeds"] or speeds).unit):
         if source.is_dir():
-            if any(asked is not None for asked in (include, speeds, campbell_speeds, environment)):
+            if any(keywords[name] is not None for name in _COMPUTED):
                 raise InputError(
                     "--include, --speeds, --campbell-speeds and heat and moisture say what to "
                     "compute; a folder of results is shown as it is, leave them out"
                 )
             results = stored_results(source)
         else:
-            mechanism = mechanism_of(model)
-            speeds = speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
-            unit, remark, over = speeds.unit, speeds.remark, campbell_speeds
-            request = ReportRequest(
-                np.array(speeds.numbers),
-                angles,
-                include,
-                None if over is None else in_unit(rad_per_s(over.numbers, over.unit), unit),
-                modes,
-                environment,
-                unit,
-                tolerance if elements is None else None,
-            )
-            engines = analyses.chosen_engines(mechanism, engine, element, elements)
-            results = report_results(engines, request, progress)
+            mechanism, over = mechanism_of(model), keywords.pop("campbell_speeds")
+            given, own = given_speeds(ReportOptions, keywords, mechanism)
+            speeds = own or speeds
+            if over is not None:
+                over = in_unit(rad_per_s(over.numbers, over.unit), speeds.unit)
+            with naming_options(ReportOptions):
+                results = report_results(
+                    mechanism, **given, campbell_speeds=over, progress=progress
+                )
         with (
-            reported_as_damaged(source) if source.is_dir() else telling(None, unit),
+            reported_as_damaged(source) if source.is_dir() else telling(None, speeds.unit),
             naming("--out"),
         ):
             write_report(results.all, out, command_line=command_line())
     size = f"{out.stat().st_size / 1e6:.1f} MB"
     lines = [f"file: {one_line(str(out))} ({size}), open it in a browser"]
-    say(report_summary(results), [out], lines, [remark], printing)
+    say(report_summary(results), [out], lines, [speeds.remark], printing)
 
 
 def verify(

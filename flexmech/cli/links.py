@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from typing import Annotated, get_args
 
 import typer
 from typer import Argument, Option
 
-from flexmech import analyses, studies
-from flexmech.analyses import typed
-from flexmech.analyses.options import StrengthOptions
+from flexmech import studies
+from flexmech.analyses.options import (
+    CheckOptions,
+    MoistureOptions,
+    SectionOptions,
+    StrengthOptions,
+)
 from flexmech.analyses.typed import Together
 from flexmech.choices import TemplateKind
 from flexmech.cli import options
 from flexmech.cli.asking import question
-from flexmech.cli.deliver import deliver, mechanism_of
 from flexmech.errors import InputError, one_line, suggestion
 from flexmech.example_models import example_model, example_names
 from flexmech.files import given_path, write_whole
@@ -29,78 +31,10 @@ def _completed(incomplete: str) -> list[str]:
     return [name for name in _KINDS_AND_EXAMPLES if name.startswith(incomplete)]
 
 
-def check(
-    model: options.Model,
-    angle: Annotated[float | None, typed.POSTURE_ANGLE] = None,
-    *,
-    output: options.AskedOptionalOutput,
-) -> None:
-    """Say what linkage a model file has, and remark on what is unusual in it.
-
-    With the first natural frequencies at rest, a row for each link, and a picture: posture, paths,
-    sections to scale and transmission angle.
-
-    Options
-    -------
-    angle : DEG
-        Crank angle of the picture and the natural frequencies in degrees. Left out: frequencies
-        at 0, and a picture in which the links stand apart.
-    """
-    from flexmech.reference import ReferenceEngine
-
-    asked = ReferenceEngine(mechanism_of(model)), None if angle is None else math.radians(angle)
-    deliver(analyses.ModelCheck, lambda _: analyses.check_mechanism(*asked), output, model=model)
-
-
-def section(
-    model: options.Model,
-    link: options.Link = None,
-    *,
-    environment: options.AskedEnvironment,
-    output: options.AskedOptionalOutput,
-) -> None:
-    """Cross-sections of the links.
-
-    Stiffness, coupling, mass and damping in a row for each link; strain and stress through the
-    thickness under unit loads as details; dry, or in heat and moisture.
-    """
-    mechanism = mechanism_of(model)
-    deliver(
-        analyses.SectionProfiles,
-        lambda _: analyses.section_profiles(mechanism, link, environment=environment),
-        output,
-        model=model,
-    )
-
-
-def moisture(
-    model: options.Model,
-    relative_humidity: Annotated[float, typed.RELATIVE_HUMIDITY],
-    time: options.ExposureTime,
-    temperature: Annotated[float | None, typed.TEMPERATURE] = None,
-    link: options.Link = None,
-    *,
-    output: options.AskedOutput,
-) -> None:
-    """Moisture profiles and uptake of the links in air of constant humidity, by diffusion.
-
-    Options
-    -------
-    relative_humidity : PERCENT
-        Humidity of the air in percent.
-    time : T
-        Time of exposure since the links were dry, such as "30 day".
-    temperature : C
-        Temperature of air and links: degrees Celsius unless a unit is given. Left out: the model's
-        reference temperature.
-    """
-    asked = mechanism_of(model), relative_humidity, time, temperature, link
-    deliver(
-        analyses.MoistureUptake, lambda _: analyses.moisture_uptake(*asked), output, model=model
-    )
-
-
-strength = question("strength", "Strength", StrengthOptions, engine="reference")
+check = question("check", "check.check_mechanism", CheckOptions, files=False)
+section = question("section", "section_profile.section_profiles", SectionOptions, files=False)
+moisture = question("moisture", "moisture.moisture_uptake", MoistureOptions)
+strength = question("strength", "strength.strength", StrengthOptions, engine="reference")
 
 
 def asked_sizes(

@@ -14,11 +14,8 @@ from flexmech.cli.deliver import Output, Pictures, Printing, typed_path
 from flexmech.errors import InputError
 
 # Defaults as users type them.
-EVERY_5_DEGREES: Any = "0:360:5"
-EVERY_DEGREE: Any = "0:360:1"
 AUTO: Any = "auto"
 ALL: Any = "all"
-ZERO: Any = "0"
 PNG: Any = "png"
 
 Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL", parser=typed_path)]
@@ -26,95 +23,6 @@ Out = Annotated[Path, Option(help="Folder for the files.", metavar="DIR", parser
 TypedPath = Annotated[Path, Option(parser=typed_path)]
 OptionalPath = Annotated[Path | None, Option(parser=typed_path)]
 GivenPath = Annotated[Path, Argument(parser=typed_path)]
-Link = Annotated[str | None, Option(help="This link alone, such as coupler.", metavar="NAME")]
-
-# Where, and at what speed.
-Angles = Annotated[
-    typed.FloatArray,
-    Option(
-        help="Crank angles in degrees: START:STOP:STEP, a comma list, or both, as in "
-        '"10:170:10,190:350:10".'
-    ),
-    typed.ANGLES,
-]
-Speeds = Annotated[
-    typed.Speeds | None,
-    Option(
-        help='Crank speeds: a comma list or START:STOP:STEP with one unit at the end, as in "0,50,'
-        '100 rpm" or "0:300:10 rpm"; rad/s if there is none. Left out: standstill and the speeds '
-        "at which the model operates; 0,10,20 rad/s if it names none.",
-        metavar="LIST",
-    ),
-    typed.SPEEDS,
-]
-MomentPoint = Annotated[
-    tuple[float, float] | None,
-    Option(
-        help="Point about which the shaking moment is taken, in ground axes, as in '127 mm,0 mm'. "
-        "Left out: the axis of the shaft.",
-        metavar="X,Y",
-    ),
-    typed.MOMENT_POINT,
-]
-DampingRatio = Annotated[
-    float | None,
-    Option(
-        help='Damping ratio of the first natural frequency at rest, as in "0.1%" or 0.001, for all '
-        "links in place of the model's damping. Left out: the model's.",
-        metavar="Z",
-    ),
-    typed.DAMPING_RATIO,
-]
-
-# Engines, and what they linearize.
-Engine = Annotated[choices.EngineChoice, Option(help="Which engine computes.")]
-Element = Annotated[
-    choices.ElementName | None,
-    Option(
-        help="Beam element: euler, timoshenko, reddy or zigzag in the reference, ancf or "
-        "geometrically-exact in Exudyn; the other engine takes its element of the nearest theory. "
-        "Left out: euler and ancf; where shear changes a frequency by more than 1 % or a link's "
-        "neutral axis is off its pins, geometrically-exact and timoshenko, or zigzag where the "
-        "warping of cross-sections does, as in sandwiches."
-    ),
-]
-Elements = Annotated[int, Option(min=1, max=choices.MOST_ELEMENTS, help="Elements on each link.")]
-PinnedElements = Annotated[
-    int | None,
-    Option(
-        min=1,
-        max=choices.MOST_ELEMENTS,
-        help="Elements on each link, whatever the tolerance. Left out: 8, doubled by each engine "
-        "until its frequencies are within the tolerance, up to 32.",
-    ),
-]
-Tolerance = Annotated[
-    float,
-    Option(
-        help="Estimated relative error by the mesh that is allowed, where --elements is left out."
-    ),
-]
-_MODES = f"Number of natural frequencies. Left out: {choices.MODES}, or as many as there are."
-Modes = Annotated[int | None, Option(min=1, max=choices.MOST_MODES, help=_MODES)]
-KeptModes = Annotated[int, Option(min=1, max=choices.MOST_MODES)]
-RotationTerms = Annotated[
-    typed.RotationTerms,
-    Option(
-        help="Terms of the turning link frames that are counted: all, none (the same as "
-        "--no-rotation-terms), or a comma list of coriolis, centripetal, tangential.",
-        metavar="LIST",
-    ),
-    typed.ROTATION_TERMS,
-]
-Shaft = Annotated[
-    choices.ShaftChoice,
-    Option(
-        help="prescribed: the shaft turns at the crank speed; free: it has its own inertia and "
-        "the torque that the constant speed takes, and its rotation is one more coordinate."
-    ),
-]
-
-ExposureTime = Annotated[float, typed.EXPOSURE_TIME]
 
 
 def asked_pictures(
@@ -185,4 +93,3 @@ def asked_optional_output(
 
 AskedOutput = Annotated[Output, Together(asked_output)]
 AskedOptionalOutput = Annotated[Output, Together(asked_optional_output)]
-AskedEnvironment = Annotated[typed.Environment | None, typed.ENVIRONMENT]

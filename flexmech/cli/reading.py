@@ -16,11 +16,13 @@ from collections.abc import Callable
 from copy import copy
 from dataclasses import MISSING, fields
 from inspect import isclass
-from typing import Annotated, Any, get_args, get_type_hints
+from typing import Annotated, Any, cast, get_args, get_type_hints
 
-from typer import Option
+from typer import Argument, Option
 
+from flexmech.analyses.options import declared_options
 from flexmech.analyses.typed import OWN, Plain, Together, Typed
+from flexmech.cli.deliver import typed_path
 from flexmech.docstrings import entries
 
 _HEADING = "Options\n-------\n"
@@ -62,6 +64,7 @@ def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
             readers[name] = [each.name for each in own], make
             continue
         kind = get_args(parameter.annotation)[0] if marks else parameter.annotation
+        kind = getattr(mark, "kind", None) or kind
         option = next((copy(m) for m in marks if m is not mark), None) or _option(mark)
         if isinstance(mark, Typed):
             kind = str | None if parameter.default is None else str
@@ -90,21 +93,13 @@ def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
 def _option(mark: Typed | Plain | None) -> Any:
     """What typer knows of an option by its mark."""
     if isinstance(mark, Plain):
-        return Option(mark.option, min=mark.least, max=mark.most)
+        if not mark.option:
+            return Argument(metavar=mark.metavar, parser=typed_path)
+        return Option(mark.option, min=mark.least, max=mark.most, metavar=mark.metavar or None)
     if mark is None:
         return Option()
     names = filter(None, (mark.option, mark.also))
     return Option(*names, metavar=mark.metavar or None)
-
-
-def options_of(asked: type) -> dict[str, Typed | Plain | Together]:
-    """Marks of the fields of a class that are options, by the names of the fields."""
-    hints = get_type_hints(asked, include_extras=True)
-    return {
-        each.name: hints[each.name].__metadata__[0]
-        for each in fields(asked)
-        if hasattr(hints[each.name], "__metadata__")
-    }
 
 
 def _handed_on(together: Together) -> Callable[..., dict[str, Any]]:
@@ -115,23 +110,21 @@ def _handed_on(together: Together) -> Callable[..., dict[str, Any]]:
     """
     asked: Any = together.make
     hints, told = get_type_hints(asked, include_extras=True), entries(asked.__doc__ or "")
+    known = {each.name: each for each in fields(asked)}
     shown, helps = [], []
-    for each in fields(asked):
-        if (mark := options_of(asked).get(each.name)) is None:
-            continue
-        factory: Any = each.default_factory
-        default = each.default if factory is MISSING else factory.args[0]
-        default = together.defaults.get(each.name, default)
+    for name, declared in declared_options(asked).items():
+        mark, factory = declared.mark, cast(Any, known[name].default_factory)
+        default: Any = known[name].default if factory is MISSING else factory.args[0]
+        default = together.defaults.get(name, default)
+        default = inspect.Parameter.empty if default is MISSING else default
         if isinstance(mark, Typed) and isinstance(default, int | float):
             default = f"{default:g}"
         kind = inspect.Parameter.KEYWORD_ONLY
-        shown.append(
-            inspect.Parameter(each.name, kind, default=default, annotation=hints[each.name])
-        )
-        text = " ".join(told[each.name][1].partition("\n\n")[0].replace("``", "").split())
+        shown.append(inspect.Parameter(name, kind, default=default, annotation=hints[name]))
+        text = " ".join(told[name][1].partition("\n\n")[0].replace("``", "").split())
         what, _, left_out = text.partition(". ")
         text = f"{what.removesuffix('.')}{getattr(mark, 'how', '') or '.'}"
-        helps.append(f"{each.name}\n    {f'{text} {left_out}'.strip()}")
+        helps.append(f"{name}\n    {f'{text} {left_out}'.strip()}")
 
     def handed_on(**values: Any) -> dict[str, Any]:
         return values

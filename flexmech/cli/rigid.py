@@ -7,46 +7,15 @@ from typing import Annotated
 
 from flexmech import analyses
 from flexmech.analyses import typed
-from flexmech.analyses.options import BalanceOptions, KinematicsOptions
+from flexmech.analyses.options import BalanceOptions, CouplerPathOptions, KinematicsOptions
 from flexmech.cli import options
 from flexmech.cli.asking import question
-from flexmech.cli.deliver import deliver, mechanism_of
+from flexmech.cli.deliver import deliver
 from flexmech.errors import InputError, naming
 
-kinematics = question("kinematics", "Kinematics", KinematicsOptions)
-
-
-balance = question("balance", "Balance", BalanceOptions)
-
-
-def coupler_curve(
-    model: options.Model,
-    environment: options.AskedEnvironment,
-    point: Annotated[typed.CouplerPoint | None, typed.POINT] = None,
-    link: str = "coupler",
-    angles: options.Angles = options.EVERY_DEGREE,
-    *,
-    output: options.AskedOutput,
-) -> None:
-    """Path of a point of the coupler or another link, dry, and in heat and moisture.
-
-    Of a four-bar's coupler with all crossings and cusps.
-
-    Options
-    -------
-    point : e,gamma
-        Distance e from A and angle gamma from A-B, as in "33 mm,320 deg"; from the first joint of
-        another link. Left out: the coupler point of the model file.
-    link : NAME
-        Link that the point is on: the coupler, or any link of any linkage.
-    """
-    asked = mechanism_of(model), angles, point, environment
-    deliver(
-        analyses.CouplerPaths,
-        lambda _: analyses.coupler_paths(*asked, link=link),
-        output,
-        model=model,
-    )
+kinematics = question("kinematics", "kinematics.kinematics", KinematicsOptions)
+balance = question("balance", "balance.balance", BalanceOptions)
+coupler_curve = question("coupler_curve", "coupler_path.coupler_paths", CouplerPathOptions)
 
 
 def synthesize(

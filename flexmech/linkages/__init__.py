@@ -19,6 +19,7 @@ from flexmech.linkages.drives.shaped import (
     InputShaper,
     PathShapedDrive,
     ShapedDrive,
+    Shaping,
     input_shaper,
 )
 from flexmech.linkages.fourbar import FourBar, GrashofClass
@@ -92,6 +93,7 @@ __all__ = [
     "RotatingArm",
     "SettledRun",
     "ShapedDrive",
+    "Shaping",
     "Slider",
     "SpeedControl",
     "Spring",

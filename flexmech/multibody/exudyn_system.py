@@ -154,7 +154,7 @@ class ExudynSystem:
     Examples
     --------
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-    >>> request = flexmech.ResponseRequest(20.0, 0.01, step=1e-4)
+    >>> request = flexmech.analyses.ResponseRequest(20.0, 0.01, step=1e-4)
     >>> system = flexmech.exudyn_system(flexmech.ExudynEngine(mechanism, 2), request)
     >>> system.mbs.SolveDynamic(system.settings)
     True

@@ -3,62 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmech import analyses, choices, linkages
 from flexmech.analyses.campbell import compute as campbell_analysis
 from flexmech.analyses.crank_speeds import asked_speeds, in_unit, rad_per_s
-from flexmech.analyses.frequencies.compute import MAP_ANGLES
 from flexmech.analyses.kinematics import compute as kinematics_analysis
-from flexmech.analyses.requests import Engines, engine_of
+from flexmech.analyses.options import EVERY_DEGREE, ReportOptions
+from flexmech.analyses.requests import Engines, asks, engines_of
 from flexmech.analyses.response import compute as response_analysis
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.crank_values import CAMPBELL, operating_speeds
 from flexmech.errors import InputError
-from flexmech.hygrothermal import Environment, Exposure, absorbing_links
+from flexmech.hygrothermal import Exposure, absorbing_links
 from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.report.results import Results
-from flexmech.validation import check_choice, check_count, check_instance, checked_tuple
+from flexmech.validation import check_choice, checked_tuple
 
 # As many as make a smooth band; between angles of the map a line is straight to the eye.
 CAMPBELL_SPEEDS = 13
-# As the command coupler-curve has them by default.
-PATH_ANGLES = np.radians(np.arange(0.0, 361.0))
 # Crank angles at which mode shapes are stored, every 5 deg of a turn, as the page holds them all,
 # and over which bands are taken, at most.
 MOST_SHAPES, MOST_CAMPBELL_ANGLES = 72, 36
 
 
-@dataclass(frozen=True)
-class ReportRequest:
-    """What a report of a mechanism is to show.
+class ReportRequest(ReportOptions):
+    """What a report of a mechanism is to show, checked.
 
-    Parameters
-    ----------
-    crank_speeds : array_like, shape (S,), optional
-        In ``speed_unit``. Left out: zero and the speeds at which the mechanism operates.
-    crank_angles : array_like, shape (A,)
-        Crank angles of the frequencies, increasing, in rad.
-    include : tuple of str, optional
-        Questions to answer: ``"frequencies"``, ``"campbell"``, ``"response"``, ``"kinematics"``,
-        ``"section"``, ``"coupler-curve"`` and ``"moisture"``. Left out: all that the mechanism has;
-        a coupler curve where it names a coupler point, moisture where the environment is an
-        exposure that links answer.
-    campbell_speeds : array_like, optional
-        In ``speed_unit``. Left out: from zero to 1.5 times the greatest crank speed.
-    modes : int, optional
-        Natural frequencies. Left out: 4, or as many as there are.
-    environment : HygrothermalState or Exposure, optional
-        Heat and moisture: frequencies, responses and coupler curve are computed dry and in it,
-        Campbell diagram and sections in it.
-    speed_unit : str, optional
-        Unit of the crank speeds given, in which the report speaks of them. Left out: rad/s, and the
-        unit of the model file for speeds that are its own.
-    tolerance : float, optional
-        Relative error of the frequencies by the mesh; None keeps the engines' elements.
+    Parameters as for :class:`flexmech.analyses.options.ReportOptions`.
 
     Raises
     ------
@@ -67,44 +42,26 @@ class ReportRequest:
 
     Examples
     --------
-    >>> flexmech.ReportRequest([0.0, 20.0], include=("frequencies", "section")).tolerance
+    >>> ReportRequest([0.0, 20.0], include=("frequencies", "section")).tolerance
     0.001
     """
 
-    crank_speeds: FloatArray | None = None
-    crank_angles: FloatArray = field(default_factory=MAP_ANGLES.copy)
-    include: tuple[choices.ReportPart, ...] | None = None
-    campbell_speeds: FloatArray | None = None
-    modes: int | None = None
-    environment: Environment | None = None
-    speed_unit: str | None = None
-    tolerance: float | None = choices.TOLERANCE
-
     def __post_init__(self) -> None:
-        if self.modes is not None:
-            check_count(self.modes, "modes", most=choices.MOST_MODES)
+        super().__post_init__()
         if self.include is not None:
             remedy = f"give some of {', '.join(choices.REPORT_PARTS)} in a tuple"
             for part in checked_tuple(self.include, object, "include", remedy):
                 check_choice(part, choices.REPORT_PARTS, "include")
 
 
-def report_results(
-    engines: Engines,
-    request: ReportRequest | None = None,
-    progress: LabelledProgress | None = None,
-) -> Results:
+@asks(ReportRequest)
+def report_results(mechanism: Engines, request: ReportRequest) -> Results:
     """Compute what a report of a mechanism shows.
 
     Parameters
     ----------
-    engines : Engine, Mechanism or sequence of them
-        Frequencies are computed by all of them, the rest by the first one; of a mechanism the
-        reference engine is made.
-    request : ReportRequest, optional
-        Left out: all that the mechanism has, at its own speeds.
-    progress : callable, optional
-        Called as ``progress(label, done, total)``.
+    mechanism : Mechanism, Engine or sequence of them
+        Frequencies are computed by all engines, the rest by the first one.
 
     Returns
     -------
@@ -119,31 +76,22 @@ def report_results(
     Examples
     --------
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-    >>> results = flexmech.report_results(mechanism, flexmech.ReportRequest(include=("section",)))
+    >>> results = flexmech.report_results(mechanism, include=("section",))
     >>> [result.stem for result in results.all]
     ['check', 'sections']
     """
-    given = (engines,) if isinstance(engines, Engine | Mechanism) else engines
-    found_engines = [
-        engine_of(engine, elastic=False)
-        for engine in checked_tuple(given, object, "engines", "give one engine or more in a list")
-    ]
-    if not found_engines:
-        raise InputError("engines: a report needs one engine or more")
-    request = ReportRequest() if request is None else request
-    check_instance(request, ReportRequest, "request", "give a flexmech.ReportRequest")
-    mechanism = found_engines[0].mechanism
-    asked, unit = asked_speeds(
-        request.crank_speeds, request.speed_unit, mechanism, operating_speeds
-    )
+    found_engines = engines_of(mechanism, request, elastic=False)
+    subject = found_engines[0].mechanism
+    asked, unit = asked_speeds(request.crank_speeds, request.speed_unit, subject, operating_speeds)
     # What is computed is asked for in the unit in which the report speaks.
     speeds, over = in_unit(asked, unit), request.campbell_speeds
     if over is not None:
         over = in_unit(rad_per_s(over, request.speed_unit, "campbell_speeds"), unit)
-    request = replace(request, speed_unit=unit, campbell_speeds=over)
+    tolerance = request.tolerance if request.elements is None else None
+    request = replace(request, speed_unit=unit, campbell_speeds=over, tolerance=tolerance)
     parts, making = (
-        _parts(mechanism, speeds, request),
-        _Making(found_engines, speeds, request, progress),
+        _parts(subject, speeds, request),
+        _Making(found_engines, speeds, request, request.progress),
     )
     found: list[analyses.Result] = [analyses.check_mechanism(found_engines[0])]
     makers: dict[choices.ReportPart, Callable[[], list[analyses.Result]]] = {
@@ -286,7 +234,7 @@ class _Making:
     def coupler_curve(self) -> list[analyses.Result]:
         """Dry and in the environment."""
         where = self.request.environment
-        return [analyses.coupler_paths(self.mechanism, PATH_ANGLES, environment=where)]
+        return [analyses.coupler_paths(self.mechanism, EVERY_DEGREE(), environment=where)]
 
     def moisture(self) -> list[analyses.Result]:
         """Under the exposure, without which this part is refused."""

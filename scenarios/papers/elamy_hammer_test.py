@@ -19,7 +19,6 @@ from elamy_linkages import crank_rocker, position_angles, published_case, publis
 from paper_claims import verdict_on, within_a_tenth
 
 from flexmech import (
-    HammerRequest,
     LinkPoint,
     ReferenceEngine,
     hammer_test,
@@ -57,8 +56,8 @@ def hit(mechanism, angle):
         for name, section in mechanism.sections.items()
     }
     engine = ReferenceEngine(replace(mechanism, sections=damped), ELEMENTS, "euler")
-    request = HammerRequest([angle], impact=MIDDLE, response=MIDDLE, averages=3, modes=1)
-    first = hammer_test(engine, request).identified().iloc[0]
+    test = hammer_test(engine, [angle], impact=MIDDLE, averages=3, modes=1)
+    first = test.identified().iloc[0]
     return first["frequency_Hz"], first["damping_ratio"], frequency, damping
 
 

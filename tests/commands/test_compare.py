@@ -9,14 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmech import (
-    Comparison,
-    ComparisonRequest,
-    InputError,
-    MeasuredQuantity,
-    MeasuredRecord,
-    compare_with_record,
-)
+from flexmech import Comparison, InputError, MeasuredQuantity, MeasuredRecord, compare_with_record
 from tests.support.gauge_record import DAMPING_TIME, ENGINE, SPEED, gauge_record
 from tests.support.journeys import Journey
 
@@ -160,7 +153,7 @@ def test_records_over_time_that_cannot_be_compared_are_refused(wrong):
     asked = asked if "angle" in asked else {"speed": SPEED} | asked
     changed = {name: value() if callable(value) else value for name, value in changed.items()}
     with pytest.raises(InputError) as raised:
-        compare_with_record(ENGINE, replace(record(), **changed), ComparisonRequest(**asked))
+        compare_with_record(ENGINE, replace(record(), **changed), **asked)
     assert words in str(raised.value)
 
 
@@ -198,11 +191,11 @@ OTHERS = {
 def test_frequencies_and_functions_that_cannot_be_compared_are_refused(wrong):
     other, asked, words = OTHERS[wrong]
     with pytest.raises(InputError) as raised:
-        compare_with_record(ENGINE, other, ComparisonRequest(**asked))
+        compare_with_record(ENGINE, other, **asked)
     assert words in str(raised.value)
 
 
 def test_a_comparison_needs_one_of_speed_and_angle():
     for wrong in ({}, {"speed": 20.0, "angle": 0.0}, {"speed": 20.0, "fit": "damping"}):
         with pytest.raises(InputError):
-            ComparisonRequest(**wrong)
+            compare_with_record(ENGINE, frequencies(), **wrong)

@@ -113,7 +113,7 @@ def test_above_the_wet_glass_transition_a_warning_is_given(command) -> None:  # 
         flexmech.load_mechanism(MODELS / "moist_composite_fourbar.toml"),
         [0.0, 1.0],
         CouplerPoint(0.1, 1.0),
-        HygrothermalState(60.0, 0.04),
+        environment=HygrothermalState(60.0, 0.04),
     )
     assert cool.summary().warnings == ()
 

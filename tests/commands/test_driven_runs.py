@@ -17,7 +17,6 @@ from flexmech import (
     LawDrive,
     MotorDrive,
     ReferenceEngine,
-    ResponseRequest,
     ShapedDrive,
     Shaping,
     SpeedControl,
@@ -26,7 +25,7 @@ from flexmech import (
     motor_run,
     response,
 )
-from flexmech.analyses import amplitudes_after_stop
+from flexmech.analyses import ResponseRequest, amplitudes_after_stop
 from flexmech.modelfile import mechanism_from_toml
 from tests.support.command import Ended, columns_of
 from tests.support.journeys import Journey, tells

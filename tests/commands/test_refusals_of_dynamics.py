@@ -19,15 +19,15 @@ from flexmech import (
     InputError,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     campbell,
     example_model,
     load_mechanism,
     moving_frequencies,
     natural_frequencies,
     response,
+    stability,
 )
-from flexmech.analyses import StabilityRequest
+from flexmech.analyses import ResponseRequest, StabilityRequest
 from tests.support.sprung_frame_data import FRAME, framed_file
 
 ALUMINIUM = load_mechanism(example_model("aluminium_fourbar"))
@@ -60,8 +60,8 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "stability twice": (lambda: StabilityRequest([5.0, 5.0]), "repeats a speed"),
     "stability nowhere": (lambda: StabilityRequest([]), "one value or more"),
     "stability at no number": (lambda: StabilityRequest([np.nan]), "crank_speeds"),
-    "stability frame": (lambda: StabilityRequest([5.0], frame="sky"), "frame"),
-    "stability modes": (lambda: StabilityRequest([5.0], modes=0), "modes"),
+    "stability frame": (lambda: stability(engine(), [5.0], frame="sky"), "frame"),
+    "stability modes": (lambda: stability(engine(), [5.0], modes=0), "modes"),
     "stability steps": (lambda: StabilityRequest([5.0], steps=100), "nearest above is 112"),
     "stability damping": (lambda: StabilityRequest([5.0], damping_ratio=1.0), "damping_ratio"),
     "campbell twice": (lambda: campbell(engine(), [1.0, 1.0]), "crank_speeds repeats"),

@@ -32,10 +32,10 @@ from flexmech import (
     Ply,
     PointMass,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     Spring,
 )
+from flexmech.analyses import ResponseRequest
 from flexmech.linkages import AttachmentPoint
 from flexmech.materials import Fibre, Layer, Matrix, PlyComposition, published_constituents
 from tests.support.command import MODELS
@@ -140,18 +140,18 @@ def test_a_slip_of_a_script_is_refused_by_name(number):
 # What is accepted at most, by a request that takes the number: more is a slip of the keyboard.
 LIMITS = {
     "elements of a link": (lambda n: flexmech.analyses.KinematicsRequest(lumped=(n,)), 1000),
-    "averages": (lambda n: flexmech.HammerRequest([0.0], averages=n), 1000),
-    "orders": (lambda n: flexmech.RunningHammerRequest(20.0, POINT, POINT, orders=n), 20),
+    "averages": (lambda n: flexmech.analyses.HammerRequest([0.0], averages=n), 1000),
+    "orders": (lambda n: flexmech.analyses.RunningHammerRequest(20.0, orders=n), 20),
     "samples": (lambda n: ResponseRequest(DRIVE, 1000.0, samples=n // 1000), 2_000_000),
     "steps of a run": (lambda n: ResponseRequest(DRIVE, 1.0, step=1.0 / n), 50_000_000),
     "72 crank angles": (
-        lambda n: flexmech.FrequencyRequest(
+        lambda n: flexmech.analyses.FrequencyRequest(
             np.linspace(0.0, 6.0, 100), np.zeros(1), shapes_at=np.linspace(0.0, 6.0, n)
         ),
         72,
     ),
     "memory": (
-        lambda n: flexmech.FrequencyRequest(
+        lambda n: flexmech.analyses.FrequencyRequest(
             np.linspace(0.0, 6.0, n // 40), np.linspace(0.0, 1.0, 10)
         ),
         4_000_000,
@@ -227,7 +227,7 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
         {"mechanism": MECHANISM, "elements": 2, "element": "euler", "modes": 4, "shaft": "free"},
     ),
     "request": (
-        flexmech.FrequencyRequest,
+        flexmech.analyses.FrequencyRequest,
         {"crank_angles": np.zeros(1), "crank_speeds": np.zeros(1), "tolerance": 1e-3},
     ),
     "frequencies": (
@@ -240,7 +240,10 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
     ),
     "response": (partial(flexmech.response, ARM, RUN), {"check_mesh": False}),
     "run": (ResponseRequest, {"speed": DRIVE, "revolutions": 1.0, "samples": 60, "step": 1e-3}),
-    "hammer": (partial(flexmech.hammer_test, ARM), {"request": flexmech.HammerRequest(0.0)}),
+    "hammer": (
+        partial(flexmech.hammer_test, ARM),
+        {"crank_angles": 0.0, "impact": None, "direction": "axial", "averages": 1, "noise": 0.0},
+    ),
     "kinematics": (flexmech.kinematics, {"mechanism": MECHANISM, "speed": None}),
     "lumped": (
         flexmech.analyses.KinematicsRequest,
@@ -256,13 +259,16 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
     ),
     "state": (flexmech.mechanism_in_state, {"mechanism": MECHANISM, "environment": STATE}),
     "sections": (flexmech.section_profiles, {"mechanism": MECHANISM, "link": "crank"}),
-    "comparison": (flexmech.ComparisonRequest, {"speed": 0.0, "quantity": None, "fit": None}),
+    "comparison": (
+        partial(flexmech.compare_with_record, ENGINE),
+        {"record": "nowhere.csv", "speed": 0.0, "quantity": None, "fit": None},
+    ),
     "quantity": (flexmech.MeasuredQuantity, {"name": "f", "unit": "Hz", "values": [1.0, 2.0]}),
     "record": (
         flexmech.MeasuredRecord,
         {"abscissa": "time", "position": np.arange(3.0), "quantities": (QUANTITY,)},
     ),
-    "report": (flexmech.ReportRequest, {"include": ("section",), "modes": 2}),
+    "report": (flexmech.report.ReportRequest, {"include": ("section",), "modes": 2}),
     "page": (flexmech.write_report, {"results": (), "path": "nowhere/report.html"}),
     "example": (flexmech.example_model, {"name": "steel_fourbar"}),
     "stored": (flexmech.stored_results, {"folder": "nowhere"}),

@@ -77,9 +77,9 @@ def test_a_speed_in_any_unit_gives_the_same_numbers(speed, unit):
     np.testing.assert_allclose(found["driving_torque"], same["driving_torque"], rtol=1e-9)
     assert (found.attrs["speed_unit"], same.attrs["speed_unit"]) == (unit, "rad/s")
     requests = (
-        flexmech.ResponseRequest(number, speed_unit=unit).drive.speed,
-        flexmech.RunningHammerRequest(number, speed_unit=unit).speed,
-        flexmech.ComparisonRequest(number, speed_unit=unit).crank_speed,
+        flexmech.analyses.ResponseRequest(number, speed_unit=unit).drive.speed,
+        flexmech.analyses.RunningHammerRequest(number, speed_unit=unit).crank_speed,
+        flexmech.analyses.ComparisonRequest("record.csv", number, speed_unit=unit).crank_speed,
         found.attrs["crank_speed"],
     )
     assert requests == pytest.approx((speed,) * 4, rel=1e-14)
@@ -111,11 +111,11 @@ def test_a_map_reads_its_speeds_in_the_unit_that_is_given():
 
 def test_a_drive_is_in_rad_per_s_and_takes_no_unit():
     drive = flexmech.ConstantSpeed(20.0, run_up_time=0.1)
-    assert flexmech.ResponseRequest(drive).drive is drive
+    assert flexmech.analyses.ResponseRequest(drive).drive is drive
     for beside in ({"speed_unit": "rpm"}, {"run_up_time": 0.1}):
         with pytest.raises(InputError, match="ConstantSpeed"):
-            flexmech.ResponseRequest(drive, **beside)
-    typed = flexmech.ResponseRequest(300.0, speed_unit="rpm", run_up_time=0.1)
+            flexmech.analyses.ResponseRequest(drive, **beside)
+    typed = flexmech.analyses.ResponseRequest(300.0, speed_unit="rpm", run_up_time=0.1)
     assert typed.drive == flexmech.ConstantSpeed(10 * np.pi, 0.1)
     assert replace(typed, revolutions=1.0).drive == typed.drive
     with pytest.raises(InputError, match="speed_unit"):
@@ -140,7 +140,7 @@ def test_a_map_takes_the_speeds_of_the_model():
 
 def test_a_run_takes_the_greatest_speed_whichever_way_it_turns():
     mechanism = with_speeds("-300 rpm", "10 rad/s", "100 rpm")
-    request = flexmech.ResponseRequest(revolutions=0.02, samples=60, modes=1)
+    request = flexmech.analyses.ResponseRequest(revolutions=0.02, samples=60, modes=1)
     run = flexmech.response(flexmech.ReferenceEngine(mechanism, 1), request)
     assert run.dataset.attrs["crank_speed"] == pytest.approx(-300 * RPM)
     assert flexmech.kinematics(mechanism).dataset.attrs["crank_speed"] == pytest.approx(-300 * RPM)

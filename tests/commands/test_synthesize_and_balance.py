@@ -194,6 +194,6 @@ def test_requests_that_cannot_be_are_refused() -> None:
         flexmech.balance(fourbar(), rigid)
     with pytest.raises(InputError, match="at which nothing shakes"):
         BalanceRequest(0.0)
-    for request in (flexmech.analyses.KinematicsRequest, flexmech.ResponseRequest):
+    for request in (flexmech.analyses.KinematicsRequest, flexmech.analyses.ResponseRequest):
         with pytest.raises(InputError, match="moment_point"):
             request(moment_point=(0.1, np.nan))

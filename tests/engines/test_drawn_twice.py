@@ -19,19 +19,17 @@ from flexmech import (
     ComputationError,
     ConstantSpeed,
     ExudynEngine,
-    HammerRequest,
     LinkPoint,
     Mechanism,
     PlanarJoint,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     hammer_test,
     natural_frequencies,
     response,
     stability,
 )
-from flexmech.analyses import deflections
+from flexmech.analyses import HammerRequest, ResponseRequest, deflections
 from flexmech.arrays import FloatArray
 from flexmech.mechanics import LinearSystem
 from flexmech.mechanics.running import DrivenLinkage

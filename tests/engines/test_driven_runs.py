@@ -18,7 +18,6 @@ from flexmech import (
     Mechanism,
     MotorDrive,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     Shaping,
     SpeedControl,
@@ -26,7 +25,7 @@ from flexmech import (
     TorqueMotor,
     response,
 )
-from flexmech.analyses import amplitudes_after_stop
+from flexmech.analyses import ResponseRequest, amplitudes_after_stop
 from flexmech.linkages import LAWS
 from tests.support.mechanisms import GRAVITY, model, strip
 

@@ -18,12 +18,11 @@ from flexmech import (
     InputError,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     exudyn_system,
     natural_frequencies,
     response,
 )
-from flexmech.analyses import deflections
+from flexmech.analyses import ResponseRequest, deflections
 from flexmech.mechanics.running import LinkState
 from flexmech.mechanism import Provenance
 from tests.support.mechanisms import case

@@ -20,11 +20,11 @@ from flexmech import (
     Mechanism,
     Ply,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     natural_frequencies,
     response,
 )
+from flexmech.analyses import ResponseRequest
 from flexmech.materials import Layer
 
 ALUMINIUM = Material(69e9, 2700.0, 0.33)

@@ -10,7 +10,6 @@ import pytest
 
 from flexmech import (
     ExudynEngine,
-    HammerRequest,
     HammerTest,
     InputError,
     JointSpring,
@@ -18,13 +17,13 @@ from flexmech import (
     Load,
     Mechanism,
     ReferenceEngine,
-    RunningHammerRequest,
     Spring,
     example_model,
     hammer_test,
     load_mechanism,
     running_hammer_test,
 )
+from flexmech.analyses import HammerRequest, RunningHammerRequest
 from flexmech.linkages import AttachmentPoint
 
 COUPLER, ROCKER = LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.5)
@@ -49,8 +48,8 @@ def result_of(
     model: str = "aluminium_fourbar",
     time: float = 7e-5,
 ) -> HammerTest:
-    request = HammerRequest(ANGLE, impact, response, modes=3)
-    return hammer_test(ENGINES[engine](damped(model, time), 4), request)
+    built = ENGINES[engine](damped(model, time), 4)
+    return hammer_test(built, ANGLE, impact=impact, response=response, modes=3)
 
 
 def receptance(result: HammerTest, name: str = "receptance") -> np.ndarray:
@@ -111,7 +110,7 @@ def test_the_weight_of_links_counts_at_equilibrium_and_not_about_straight_links(
     heavy = replace(damped("aluminium_fourbar", 2e-4), gravity=(0.0, -9.81))
     engine = ExudynEngine(heavy, 2)
     tests = [
-        hammer_test(engine, HammerRequest(ANGLE, COUPLER, ROCKER, modes=2, prestress=level))
+        hammer_test(engine, ANGLE, impact=COUPLER, response=ROCKER, modes=2, prestress=level)
         for level in ("none", "equilibrium")
     ]
     for result in tests:
@@ -119,7 +118,7 @@ def test_the_weight_of_links_counts_at_equilibrium_and_not_about_straight_links(
     straight, bent = (each.identified()["frequency_Hz"].to_numpy()[:2] for each in tests)
     assert np.abs(bent / straight - 1).max() > 2e-4
     with pytest.raises(InputError, match="'equilibrium', or the reference engine"):
-        hammer_test(engine, HammerRequest(ANGLE, prestress="axial", modes=2))
+        hammer_test(engine, ANGLE, prestress="axial", modes=2)
 
 
 @pytest.mark.thorough
@@ -146,7 +145,9 @@ def test_three_modes_are_identified_all_over_the_turn(name, method):
 
 # --- running linkages ---------------------------------------------------------------------------
 
-RUNNING = RunningHammerRequest(20.0, COUPLER, ROCKER, damping_ratio=0.1, bandwidth=60.0, orders=1)
+RUNNING = RunningHammerRequest(
+    20.0, impact=COUPLER, response=ROCKER, damping_ratio=0.1, bandwidth=60.0, orders=1
+)
 
 
 def test_sidebands_are_those_of_the_harmonic_balance():
@@ -166,8 +167,8 @@ def test_a_rotating_arm_has_no_sidebands():
     """Its equations are constant: one receptance, of the order 0."""
     arm = ReferenceEngine(load_mechanism(example_model("rotating_arm")), 2)
     tip = LinkPoint("arm", 1.0)
-    request = RunningHammerRequest(60.0, tip, tip, damping_ratio=0.3, orders=1)
-    peaks = running_hammer_test(arm, request).peaks().set_index("order")
+    found = running_hammer_test(arm, 60.0, impact=tip, damping_ratio=0.3, orders=1)
+    peaks = found.peaks().set_index("order")
     assert peaks.loc[[-1, 1], "peak_m_N"].tolist() == [0.0, 0.0]
     assert peaks.loc[0, "peak_m_N"] > 0
 

@@ -13,15 +13,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from flexmech import (
-    ComputationError,
-    ConstantSpeed,
-    LawDrive,
-    Load,
-    Response,
-    ResponseRequest,
-    response,
-)
+from flexmech import ComputationError, ConstantSpeed, LawDrive, Load, Response, response
+from flexmech.analyses import ResponseRequest
 from tests.support.mechanisms import FOLLOWER, Case, at, bowed_guide, case, four_bar, model, strips
 from tests.support.random_mechanisms import random_case
 

@@ -18,12 +18,11 @@ from flexmech import (
     Load,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     Spring,
     response,
 )
-from flexmech.analyses import deflections
+from flexmech.analyses import ResponseRequest, deflections
 from flexmech.mechanics.running import LinkState
 from flexmech.solvers import nonlinear_orbit
 from tests.support.mechanisms import at, case, eccentric_arm, fixed, strip

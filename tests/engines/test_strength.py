@@ -21,13 +21,12 @@ from flexmech import (
     Material,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     load_mechanism,
     mechanism_in_state,
     response,
     strength,
 )
-from flexmech.analyses import StrengthRequest
+from flexmech.analyses import ResponseRequest, StrengthRequest
 from flexmech.linkages import AttachmentPoint
 from tests.support.command import MODELS
 from tests.support.mechanisms import loaded_rigid_rocker

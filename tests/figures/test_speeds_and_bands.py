@@ -139,7 +139,9 @@ def test_bands_of_a_spectrum_are_those_of_the_whole_turn_however_short_the_run()
     angles = np.radians(np.arange(0.0, 360.0, 2.0))
     over_turn = flexmech.natural_frequencies(engine, angles, 10.0, modes=3)
     for turns in (0.3, 1.0):
-        asked = flexmech.ResponseRequest(10.0, revolutions=turns, samples=90, modes=3, step=1e-3)
+        asked = flexmech.analyses.ResponseRequest(
+            10.0, revolutions=turns, samples=90, modes=3, step=1e-3
+        )
         data = flexmech.response(engine, asked).dataset
         for end, most in zip(ENDS, (over_turn.min(axis=0), over_turn.max(axis=0)), strict=True):
             np.testing.assert_allclose(data[f"{end}_natural_frequency"], most, rtol=2e-3)

@@ -84,7 +84,7 @@ def test_things_say_in_a_line_what_they_are_and_show_themselves_in_a_notebook() 
         mechanism.sections["coupler"],
         engine,
         result,
-        flexmech.FrequencyRequest([0.0], [0.0]),
+        flexmech.analyses.FrequencyRequest([0.0], [0.0]),
         flexmech.RotationTerms.parse("coriolis"),
         flexmech.HygrothermalState(60.0, 0.04),
     )
@@ -105,7 +105,7 @@ def test_things_say_in_a_line_what_they_are_and_show_themselves_in_a_notebook() 
         (lambda: flexmech.ConstantSpeed("300 rpm"), "rad/s"),
         (lambda: flexmech.ReferenceEngine("model.toml"), "load_mechanism"),
         (lambda: flexmech.moving_frequencies("model.toml", [0.0], [0.0]), "ReferenceEngine"),
-        (lambda: flexmech.ResponseRequest("fast"), "speed must be a number of rad/s"),
+        (lambda: flexmech.analyses.ResponseRequest("fast"), "speed must be a number of rad/s"),
         (lambda: flexmech.Formulation("axial", "coriolis"), "RotationTerms.parse"),
         (lambda: flexmech.crank_rocker_synthesis(30, 90), "rad"),
     ],

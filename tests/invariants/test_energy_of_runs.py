@@ -22,10 +22,10 @@ from flexmech import (
     PlanarLink,
     PlanarLinkage,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     response,
 )
+from flexmech.analyses import ResponseRequest
 
 STRIP = BeamSection.rectangle(Material(68.9e9, 2923.0), 3e-3, 25.4e-3)
 

@@ -18,12 +18,12 @@ from flexmech import (
     Mechanism,
     PointMass,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     TableDrive,
     natural_frequencies,
     response,
 )
+from flexmech.analyses import ResponseRequest
 from tests.support.mechanisms import drawn, strips
 
 LENGTH, MASS, INERTIA, OFFSET = 0.3, 0.3, 2e-4, (0.02, 0.06)

@@ -15,23 +15,21 @@ import pytest
 
 from flexmech import (
     Comparison,
-    ComparisonRequest,
     ComputationError,
     ConstantSpeed,
     ExudynEngine,
-    HammerRequest,
     InputError,
     LinkPoint,
     MeasuredQuantity,
     MeasuredRecord,
     ReferenceEngine,
-    ResponseRequest,
     compare_with_record,
     hammer_test,
     load_mechanism,
     natural_frequencies,
     response,
 )
+from flexmech.analyses import ResponseRequest
 from tests.support.gauge_record import (
     ALUMINIUM,
     DAMPING_TIME,
@@ -50,7 +48,7 @@ ANGLE = np.radians(60.0)
 
 def compared(record: MeasuredRecord, engine=ENGINE, **asked: object) -> Comparison:
     asked = asked or {"speed": SPEED}
-    return compare_with_record(engine, record, ComparisonRequest(**asked))
+    return compare_with_record(engine, record, **asked)
 
 
 @pytest.fixture(scope="module")
@@ -181,9 +179,9 @@ TIMES = {"crank": 2e-5, "coupler": 4e-5, "rocker": 2e-5}
 def receptance() -> tuple[np.ndarray, np.ndarray]:
     """Of a locked crank, exact, at frequencies from 20 to 120 Hz."""
     engine = ENGINE.with_(mechanism=damped(ALUMINIUM, **TIMES))
-    points = LinkPoint.parse("coupler:0.5"), LinkPoint.parse("rocker:0.5")
-    request = HammerRequest([ANGLE], *points, bandwidth=130.0, modes=2, method="circle-fit")
-    data = hammer_test(engine, request).dataset.isel(crank_angle=0)
+    points = {"impact": LinkPoint("coupler", 0.5), "response": LinkPoint("rocker", 0.5)}
+    asked = {"bandwidth": 130.0, "modes": 2, "method": "circle-fit"}
+    data = hammer_test(engine, [ANGLE], **points, **asked).dataset.isel(crank_angle=0)
     assert data.attrs["window_decay_rate"] == 0.0
     exact = data["exact_receptance_real"] + 1j * data["exact_receptance_imag"]
     kept = (data["frequency"] > 20.0) & (data["frequency"] < 120.0)

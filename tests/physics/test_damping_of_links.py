@@ -252,7 +252,7 @@ def told(result) -> str:
 
 def test_a_run_counts_the_loss_at_the_first_frequency_and_says_so():
     engine = lossy()
-    request = flexmech.ResponseRequest(flexmech.ConstantSpeed(20.0), revolutions=0.05)
+    request = flexmech.analyses.ResponseRequest(flexmech.ConstantSpeed(20.0), revolutions=0.05)
     result = flexmech.response(engine, request)
     turn = np.radians(np.arange(0.0, 360.0, 5.0))
     level = engine.prestress_at_rest
@@ -277,7 +277,7 @@ def test_a_stability_map_counts_the_loss_unless_a_ratio_is_given(ratio, is_told)
 def test_periodic_motions_count_the_loss():
     engine = lossy(0.3)
     assert not told(flexmech.campbell(engine, [20.0], modes=1, prestress="axial"))
-    request = flexmech.ResponseRequest(20.0, 1.0, start="periodic", prestress="axial")
+    request = flexmech.analyses.ResponseRequest(20.0, 1.0, start="periodic", prestress="axial")
     moving, free = (flexmech.response(each, request) for each in (engine, lossy(0.0)))
     assert told(moving)
     assert not told(free)
@@ -287,7 +287,7 @@ def test_periodic_motions_count_the_loss():
 
 def test_an_exported_system_counts_the_loss():
     engine = flexmech.ExudynEngine(lossy().mechanism, 1)
-    request = flexmech.ResponseRequest(flexmech.ConstantSpeed(20.0), 0.01, step=1e-4)
+    request = flexmech.analyses.ResponseRequest(flexmech.ConstantSpeed(20.0), 0.01, step=1e-4)
     system = flexmech.exudyn_system(engine, request)
     assert "states no damping_frequency" in "".join(system.remarks)
     assert re.search(r"bendingDamping=[1-9]", system.script)
@@ -305,8 +305,7 @@ def test_a_comparison_counts_the_loss_of_links_whose_damping_is_not_fitted():
         (("gain",), "crank, coupler, rocker"),
         (("damping:coupler", "gain"), "crank, rocker"),
     ):
-        request = flexmech.ComparisonRequest(angle=0.0, fit=fit)
-        line = told(flexmech.compare_with_record(engine, record, request))
+        line = told(flexmech.compare_with_record(engine, record, angle=0.0, fit=fit))
         assert line.partition(":")[0] == named
         assert "at the locked crank angle" in line
 
@@ -338,7 +337,7 @@ def test_engines_agree(one: str, other: str, tolerance: float) -> None:
 def test_a_hammer_finds_the_loss_of_the_first_mode_at_each_angle() -> None:
     """By the modes' own strain energy, which knows no frequency."""
     engine, angle = lossy(0.3, ("crank",)), np.radians([0.0, 60.0])
-    result = flexmech.hammer_test(engine, flexmech.HammerRequest(angle, modes=1))
+    result = flexmech.hammer_test(engine, flexmech.analyses.HammerRequest(angle, modes=1))
     expected = strain_energy_damping(engine, angle, modes=1)[:, 0]
     ratio = result.dataset["eigen_damping_ratio"].values[:, 0]
     assert ratio == pytest.approx(expected, rel=1e-2)
@@ -356,7 +355,7 @@ def test_what_a_model_states_of_its_damping_is_left_alone(said: str) -> None:
     for head in heads:
         text = text.replace(head, f"{head}\n{said}")
     engine = flexmech.ReferenceEngine(mechanism_from_toml(text), 2)
-    request = flexmech.ResponseRequest(flexmech.ConstantSpeed(20.0), revolutions=0.02)
+    request = flexmech.analyses.ResponseRequest(flexmech.ConstantSpeed(20.0), revolutions=0.02)
     assert not told(flexmech.response(engine, request))
 
 

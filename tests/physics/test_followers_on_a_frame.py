@@ -31,7 +31,7 @@ def pushed(aluminium: flexmech.Mechanism) -> flexmech.Mechanism:
 def run(mechanism: flexmech.Mechanism, kinds: Any = ENGINES, **asked: Any) -> Any:
     engines = [kind(mechanism, 2, shaft=asked.get("shaft", "prescribed")) for kind in kinds]
     settings = {"revolutions": 0.2, "samples": 90, "start": "equilibrium", "modes": 3}
-    request = flexmech.ResponseRequest(20.0, **settings | {"step": 2e-4} | asked)
+    request = flexmech.analyses.ResponseRequest(20.0, **settings | {"step": 2e-4} | asked)
     return flexmech.response(engines, request).dataset
 
 
@@ -188,6 +188,6 @@ def test_a_hammer_hits_the_modes_of_a_frame_under_a_follower(
     """Exudyn's nonlinear transient beside the linear modes, whether they bear the load or not."""
     file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
     mechanism = replace(pushed, frame=flexmech.load_mechanism(file).frame, shaft_inertia=0.0)
-    request = flexmech.HammerRequest(np.radians([100.0]), modes=3, prestress=prestress)
+    request = flexmech.analyses.HammerRequest(np.radians([100.0]), modes=3, prestress=prestress)
     found = flexmech.hammer_test(flexmech.ExudynEngine(mechanism, 2), request).dataset
     assert float(found["simulation_error"][0]) < 6e-3

@@ -19,7 +19,6 @@ from flexmech import (
     Material,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     load_mechanism,
     moving_frequencies,
@@ -27,6 +26,7 @@ from flexmech import (
     response,
     stability,
 )
+from flexmech.analyses import ResponseRequest
 from flexmech.linkages import AttachmentPoint, inverse_dynamics
 
 FloatArray = NDArray[np.float64]

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from flexmech import (
-    HammerRequest,
     HammerTest,
     LinkPoint,
     Mechanism,
@@ -18,6 +17,7 @@ from flexmech import (
     hammer_test,
     load_mechanism,
 )
+from flexmech.analyses import HammerRequest
 from flexmech.measured_data import read_uff, read_uff_record
 from flexmech.modal_testing import complexity_factor, identify, mac
 
@@ -34,8 +34,8 @@ def arm() -> Mechanism:
 def struck_arm(**asked: object) -> HammerTest:
     """Hit and read at the tip."""
     tip = LinkPoint("arm", 1.0)
-    request = HammerRequest([0.0], tip, tip, modes=2, method="circle-fit")
-    return hammer_test(ReferenceEngine(arm(), 8, "euler"), replace(request, **asked))
+    asked = {"impact": tip, "modes": 2, "method": "circle-fit"} | asked
+    return hammer_test(ReferenceEngine(arm(), 8, "euler"), [0.0], **asked)
 
 
 def complex_of(data, name: str) -> np.ndarray:
@@ -165,8 +165,9 @@ def test_receptances_of_the_grid_are_those_of_impacts_at_its_points():
     assert fraction == pytest.approx(np.tile([1 / 6, 1 / 2, 5 / 6], 3))
     for place in (0, 8):
         impact = LinkPoint(str(data["point_link"].values[place]), float(fraction[place]))
-        request = HammerRequest(ANGLES, impact, modes=3, averages=1)
-        alone = hammer_test(damped_engine(), request).dataset
+        middle = LinkPoint("coupler", 0.5)
+        asked = {"impact": impact, "response": middle, "modes": 3, "averages": 1}
+        alone = hammer_test(damped_engine(), ANGLES, **asked).dataset
         exact = complex_of(alone, "exact_receptance")
         found = complex_of(data, "grid_receptance")[:, place]
         assert abs(found - exact).max() < 0.01 * abs(exact).max()

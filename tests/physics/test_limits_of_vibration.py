@@ -20,7 +20,6 @@ from flexmech import (
     PlanarLink,
     PlanarLinkage,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     load_mechanism,
     moving_frequencies,
@@ -28,6 +27,7 @@ from flexmech import (
     response,
     stability,
 )
+from flexmech.analyses import ResponseRequest
 
 UnitArm = Callable[[float], Mechanism]
 BOTH = pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])

@@ -20,7 +20,6 @@ from flexmech import (
     Material,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     Spring,
     load_mechanism,
@@ -29,6 +28,7 @@ from flexmech import (
     response,
     stability,
 )
+from flexmech.analyses import ResponseRequest
 from flexmech.linkages import GROUND, AttachmentPoint, Link, LinkEnd, Pivot, Topology
 from tests.support.running_modes import (
     ArmInBearing,

@@ -15,7 +15,6 @@ from flexmech import (
     InputError,
     PointMass,
     ReferenceEngine,
-    ResponseRequest,
     example_model,
     kinematics,
     load_mechanism,
@@ -23,7 +22,7 @@ from flexmech import (
     natural_frequencies,
     response,
 )
-from flexmech.analyses import KinematicsRequest
+from flexmech.analyses import KinematicsRequest, ResponseRequest
 from tests.support.strategies import arm, fourbar
 
 STEEL = load_mechanism(example_model("steel_fourbar"))

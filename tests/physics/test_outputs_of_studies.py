@@ -12,7 +12,6 @@ from flexmech import (
     HygrothermalState,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     example_model,
     kinematics,
     load_mechanism,
@@ -23,6 +22,7 @@ from flexmech import (
     strain_energy_damping,
     sweep,
 )
+from flexmech.analyses import ResponseRequest
 from flexmech.linkages import CouplerPoint
 from flexmech.studies import DesignSweep, Limit, Output, Study, Variable, sweep_study
 from flexmech.units import LENGTH

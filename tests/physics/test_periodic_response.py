@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import flexmech
-from flexmech import ExudynEngine, ReferenceEngine, ResponseRequest
+from flexmech import ExudynEngine, ReferenceEngine
+from flexmech.analyses import ResponseRequest
 from flexmech.solvers import nonlinear_orbit
 
 # Of settled nonlinear runs on fine meshes at 1200 rpm, coupler off its chord, in m.

@@ -17,12 +17,12 @@ from flexmech import (
     Mechanism,
     PointMass,
     ReferenceEngine,
-    ResponseRequest,
     load_mechanism,
     moving_frequencies,
     natural_frequencies,
     response,
 )
+from flexmech.analyses import ResponseRequest
 
 ANGLES = np.radians(np.arange(0, 360, 60))
 

@@ -14,12 +14,12 @@ from flexmech import (
     InputError,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     TableDrive,
     load_mechanism,
     natural_frequencies,
     response,
 )
+from flexmech.analyses import ResponseRequest
 from flexmech.verification import verification_case, verification_cases
 
 WU_TISO = load_mechanism(Path(__file__).parents[1] / "data" / "wu_tiso_slider_crank.toml")

@@ -18,7 +18,6 @@ from flexmech import (
     Mechanism,
     MotorDrive,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     TorqueMotor,
     kinematics,
@@ -26,7 +25,7 @@ from flexmech import (
     response,
     strength,
 )
-from flexmech.analyses import StrengthRequest
+from flexmech.analyses import ResponseRequest, StrengthRequest
 from flexmech.choices import Prestress
 from flexmech.materials import Laminate, Layer, Ply
 from flexmech.modelfile import mechanism_from_toml

@@ -27,13 +27,13 @@ from flexmech import (
     ExudynEngine,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     campbell,
     example_model,
     load_mechanism,
     natural_frequencies,
     response,
 )
+from flexmech.analyses import ResponseRequest
 from flexmech.verification import verification_case
 
 FloatArray = NDArray[np.float64]

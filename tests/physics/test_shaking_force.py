@@ -23,7 +23,6 @@ from flexmech import (
     Mechanism,
     MotorDrive,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     Spring,
     TorqueMotor,
@@ -32,7 +31,7 @@ from flexmech import (
     load_mechanism,
     response,
 )
-from flexmech.analyses import KinematicsRequest
+from flexmech.analyses import KinematicsRequest, ResponseRequest
 from flexmech.linkages import GROUND, AttachmentPoint
 from tests.support.mechanisms import quick_return, slider_crank
 from tests.support.sprung_frame_data import stiffened

@@ -74,7 +74,7 @@ def test_a_stiff_frame_and_a_heavy_one_are_the_ground(aluminium: flexmech.Mechan
 def run(mechanism: flexmech.Mechanism, **asked: Any) -> Any:
     engine = flexmech.ReferenceEngine(mechanism, elements=4, component_modes=False)
     settings = {"revolutions": 1.0, "samples": 60, "prestress": "none", "modes": 3}
-    request = flexmech.ResponseRequest(flexmech.ConstantSpeed(20.0), **settings | asked)
+    request = flexmech.analyses.ResponseRequest(flexmech.ConstantSpeed(20.0), **settings | asked)
     return flexmech.response(engine, request).dataset.isel(engine=0)
 
 
@@ -117,7 +117,7 @@ def test_springs_put_on_the_floor_the_mean_of_what_shakes_the_frame(
     """Over a turn of the periodic motion; the table has what the dataset has."""
     file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
     engine = flexmech.ReferenceEngine(flexmech.load_mechanism(file), elements=2)
-    request = flexmech.ResponseRequest(
+    request = flexmech.analyses.ResponseRequest(
         flexmech.ConstantSpeed(20.0), 1.0, samples=180, start="periodic", step=1e-3, modes=2
     )
     found = flexmech.response(engine, request)
@@ -164,7 +164,7 @@ def test_a_hammer_hits_the_modes_of_a_linkage_with_its_frame(models: Path, tmp_p
     sections = {k: one.with_damping_time(2e-4) for k, one in aluminium.sections.items()}
     mechanism = replace(aluminium, sections=sections)
     found = flexmech.hammer_test(
-        flexmech.ExudynEngine(mechanism, 2), flexmech.HammerRequest(ANGLES[1:2], modes=3)
+        flexmech.ExudynEngine(mechanism, 2), flexmech.analyses.HammerRequest(ANGLES[1:2], modes=3)
     )
     reference = flexmech.ReferenceEngine(mechanism, 2)
     modes = flexmech.natural_frequencies(reference, ANGLES[1:2], modes=3)[0]
@@ -176,12 +176,11 @@ def test_the_frame_counts_in_orders_of_a_running_linkage(models: Path, tmp_path:
     """Harmonic balance and more moving modes agree on them."""
     bare = models / "aluminium_fourbar.toml"
     points = (flexmech.LinkPoint.parse(text) for text in ("coupler:0.5", "rocker:0.5"))
-    request = flexmech.RunningHammerRequest(
-        20.0, *points, prestress="axial", damping_ratio=0.1, bandwidth=60.0, orders=1
-    )
+    asked = dict(zip(("impact", "response"), points, strict=True))
+    asked |= {"prestress": "axial", "damping_ratio": 0.1, "bandwidth": 60.0, "orders": 1}
     framed, held = (
         flexmech.running_hammer_test(
-            flexmech.ReferenceEngine(flexmech.load_mechanism(file), elements=4), request
+            flexmech.ReferenceEngine(flexmech.load_mechanism(file), elements=4), 20.0, **asked
         ).dataset
         for file in (framed_file(tmp_path, bare), bare)
     )
@@ -230,7 +229,9 @@ def test_what_rings_after_a_stop_rings_with_the_frame(models: Path, tmp_path: Pa
     mechanism = replace(mechanism, frame=mechanism.frame.undamped)
     law = flexmech.LawDrive("cycloid", np.radians(120), 0.15, dwell=0.4, start_angle=0.3)
     shaping, engine = flexmech.Shaping("zv", modes=(1,)), flexmech.ReferenceEngine(mechanism, 2)
-    request = flexmech.ResponseRequest(law, samples=120, step=2e-4, modes=5, shaping=shaping)
+    request = flexmech.analyses.ResponseRequest(
+        law, samples=120, step=2e-4, modes=5, shaping=shaping
+    )
     data = flexmech.response(engine, request).dataset
     run, state = data["modal_amplitude"][0], amplitudes_after_stop(engine, law, 5)
     np.testing.assert_allclose(state, run.values, rtol=0, atol=1e-2 * float(run.max()))
@@ -244,12 +245,12 @@ def test_a_record_of_exudyns_frame_gives_its_damping_back(aluminium: flexmech.Me
     sections = {k: one.with_damping_time(2e-4) for k, one in aluminium.sections.items()}
     engine = flexmech.ExudynEngine(replace(mechanism, sections=sections), 2)
     asked = {"samples": 360, "start": "rigid", "modes": 4, "step": 4e-4}
-    data = flexmech.response(engine, flexmech.ResponseRequest(20.0, 2.0, **asked)).dataset
+    data = flexmech.response(engine, flexmech.analyses.ResponseRequest(20.0, 2.0, **asked)).dataset
     bent = data["deflection"].isel(engine=0).sel(link="coupler").values
     column = flexmech.MeasuredQuantity("coupler:deflection", "m", bent)
     record = flexmech.MeasuredRecord("time", data["time"].values, (column,))
-    request = flexmech.ComparisonRequest(speed=20.0, fit=("damping",))
-    found = flexmech.compare_with_record(flexmech.ReferenceEngine(mechanism, 2), record, request)
+    engine = flexmech.ReferenceEngine(mechanism, 2)
+    found = flexmech.compare_with_record(engine, record, 20.0, fit=("damping",))
     assert found.fitted("damping").value == pytest.approx(2e-4, rel=2e-2)
 
 
@@ -283,7 +284,7 @@ def test_a_spring_between_link_and_frame_pulls_alike_in_both_engines(
     mechanism = replace(flexmech.load_mechanism(file), springs=(spring,))
     engines = [kind(mechanism, 2) for kind in (flexmech.ReferenceEngine, flexmech.ExudynEngine)]
     asked = {"samples": 90, "modes": 4, "step": 4e-4, "start": "equilibrium"}
-    data = flexmech.response(engines, flexmech.ResponseRequest(20.0, 0.5, **asked)).dataset
+    data = flexmech.response(engines, flexmech.analyses.ResponseRequest(20.0, 0.5, **asked)).dataset
     for name, near in (("floor_force", 2e-3), ("frame_displacement", 2e-3)):
         linear, finite = data[name].values
         assert np.abs(linear - finite).max() < near * np.abs(finite).max()
@@ -343,7 +344,9 @@ def test_linear_equations_of_a_frame_that_turns_are_off_by_its_rotation_in_rad(
 ) -> None:
     """Beside Exudyn, in which it turns by any angle; a frame that turns far is refused."""
     heavy = replace(aluminium, gravity=(0.0, -9.81))
-    request = flexmech.ResponseRequest(19.9, revolutions=1.0, samples=90, modes=1, step=4e-4)
+    request = flexmech.analyses.ResponseRequest(
+        19.9, revolutions=1.0, samples=90, modes=1, step=4e-4
+    )
     kinds = (flexmech.ReferenceEngine, flexmech.ExudynEngine)
     springs = tuple(flexmech.FrameSpring((x, -0.06), (400.0, 800.0)) for x in (0.0, 0.254))
     frame = flexmech.SprungFrame(2.0, 0.03, (0.127, -0.02), springs)
@@ -386,7 +389,7 @@ def by_both(
 ) -> Any:
     engines = [kind(mechanism, elements, shaft=shaft) for kind in kinds]
     settings = {"revolutions": 0.2, "samples": 90, "start": "equilibrium", "modes": 3}
-    request = flexmech.ResponseRequest(speed, **settings | {"step": 2e-4} | asked)
+    request = flexmech.analyses.ResponseRequest(speed, **settings | {"step": 2e-4} | asked)
     return flexmech.response(engines, request).dataset
 
 

@@ -303,7 +303,9 @@ SLENDER = BeamSection.rectangle(
 
 def peaks(speed: float, turns: float, modes: int, section: BeamSection = SLENDER, **more: object):
     mechanism = Mechanism(RotatingArm(0.3), {"arm": section}, **more)  # type: ignore[arg-type]
-    request = flexmech.ResponseRequest(speed, turns, start="periodic", modes=modes, samples=360)
+    request = flexmech.analyses.ResponseRequest(
+        speed, turns, start="periodic", modes=modes, samples=360
+    )
     return flexmech.response(flexmech.ReferenceEngine(mechanism, 4), request)
 
 

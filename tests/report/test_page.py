@@ -172,7 +172,7 @@ def test_several_results_of_a_kind_are_told_apart(write: Write) -> None:
 
 def test_a_report_computes_kinematics_and_a_campbell_diagram_at_its_speeds() -> None:
     """The diagram ends at 1.5 times the greatest speed; rigid motion at zero is left out."""
-    request = flexmech.ReportRequest(
+    request = flexmech.report.ReportRequest(
         [0.0, 10.0, 20.0],
         np.radians([0.0, 90.0, 180.0, 270.0]),
         ("campbell", "kinematics"),

@@ -14,11 +14,11 @@ from flexmech import (
     MeasuredRecord,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     example_model,
     load_mechanism,
     response,
 )
+from flexmech.analyses import ResponseRequest
 
 ALUMINIUM = load_mechanism(example_model("aluminium_fourbar"))
 ENGINE = ReferenceEngine(ALUMINIUM, 2)

@@ -12,9 +12,9 @@ from flexmech import (
     Material,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     natural_frequencies,
 )
+from flexmech.analyses import ResponseRequest
 from flexmech.errors import InputError
 from flexmech.linkages import (
     GROUND,

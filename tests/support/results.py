@@ -91,19 +91,23 @@ def stability() -> flexmech.StabilityMap:
 
 @functools.cache
 def response() -> flexmech.Response:
-    request = flexmech.ResponseRequest(20.0, revolutions=2.0, samples=120, modes=2, step=5e-4)
+    request = flexmech.analyses.ResponseRequest(
+        20.0, revolutions=2.0, samples=120, modes=2, step=5e-4
+    )
     return flexmech.response(both(1e-5), request)
 
 
 @functools.cache
 def response_on_springs() -> flexmech.Response:
-    request = flexmech.ResponseRequest(20.0, revolutions=0.5, samples=120, modes=2, step=5e-4)
+    request = flexmech.analyses.ResponseRequest(
+        20.0, revolutions=0.5, samples=120, modes=2, step=5e-4
+    )
     return flexmech.response(both(1e-5, frame=FRAME), request)
 
 
 @functools.cache
 def response_to_a_law() -> flexmech.Response:
-    request = flexmech.ResponseRequest(
+    request = flexmech.analyses.ResponseRequest(
         LAW,
         samples=120,
         step=5e-4,
@@ -114,34 +118,34 @@ def response_to_a_law() -> flexmech.Response:
 
 @functools.cache
 def response_under_a_motor() -> flexmech.Response:
-    request = flexmech.ResponseRequest(MOTOR, revolutions=0.2, samples=60, modes=2, step=2e-4)
+    request = flexmech.analyses.ResponseRequest(
+        MOTOR, revolutions=0.2, samples=60, modes=2, step=2e-4
+    )
     return flexmech.response(reference(1e-5), request)
 
 
 @functools.cache
 def hammer() -> flexmech.HammerTest:
-    request = flexmech.HammerRequest(
+    return flexmech.hammer_test(
+        reference(2e-4),
         np.radians([30.0, 96.9]),
         response=flexmech.LinkPoint("rocker", 0.4),
         modes=2,
         noise=0.01,
         method="circle-fit",
     )
-    return flexmech.hammer_test(reference(2e-4), request)
 
 
 @functools.cache
 def roved_hammer() -> flexmech.HammerTest:
-    request = flexmech.HammerRequest(np.radians([20.0, 96.9]), modes=3, averages=2, grid=3)
-    return flexmech.hammer_test(reference(2e-4), request)
+    angles = np.radians([20.0, 96.9])
+    return flexmech.hammer_test(reference(2e-4), angles, modes=3, averages=2, grid=3)
 
 
 @functools.cache
 def running_hammer() -> flexmech.RunningHammerTest:
-    request = flexmech.RunningHammerRequest(
-        20.0, MIDDLE, ROCKER, prestress="axial", damping_ratio=0.1, bandwidth=60.0, orders=1
-    )
-    return flexmech.running_hammer_test(reference(), request)
+    asked = {"prestress": "axial", "damping_ratio": 0.1, "bandwidth": 60.0, "orders": 1}
+    return flexmech.running_hammer_test(reference(), 20.0, impact=MIDDLE, response=ROCKER, **asked)
 
 
 @functools.cache
@@ -204,8 +208,7 @@ def comparison() -> flexmech.Comparison:
     measured = flexmech.MeasuredQuantity("frequency", "Hz", np.array([43.9, 44.3, 44.6, 44.2]))
     angle = np.radians([0.0, 90.0, 180.0, 270.0])
     record = flexmech.MeasuredRecord("crank_angle", angle, (measured,))
-    request = flexmech.ComparisonRequest(speed=0.0, fit=("stiffness:coupler",))
-    return flexmech.compare_with_record(reference(), record, request)
+    return flexmech.compare_with_record(reference(), record, 0.0, fit=("stiffness:coupler",))
 
 
 OUTPUTS = {

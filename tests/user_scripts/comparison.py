@@ -6,7 +6,6 @@ engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_four
 measured = flexmech.MeasuredQuantity("frequency", "Hz", np.array([43.9, 44.3, 44.6, 44.2]))
 angle = np.radians([0.0, 90.0, 180.0, 270.0])
 record = flexmech.MeasuredRecord("crank_angle", angle, (measured,))
-request = flexmech.ComparisonRequest(speed=0.0, fit=("stiffness:coupler",))
-comparison = flexmech.compare_with_record(engine, record, request)
+comparison = flexmech.compare_with_record(engine, record, speed=0.0, fit=["stiffness:coupler"])
 print(comparison.summary())
 comparison.plot().savefig("comparison.png")

@@ -2,9 +2,15 @@ import flexmech
 
 engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"), 2)
 hit, seen = map(flexmech.LinkPoint.parse, ("coupler:0.5", "rocker:0.5"))
-request = flexmech.RunningHammerRequest(
-    20.0, hit, seen, prestress="axial", damping_ratio=0.1, bandwidth=60.0, orders=1
+test = flexmech.running_hammer_test(
+    engine,
+    speed=20.0,
+    impact=hit,
+    response=seen,
+    prestress="axial",
+    damping_ratio=0.1,
+    bandwidth=60.0,
+    orders=1,
 )
-test = flexmech.running_hammer_test(engine, request)
 print(test.summary())
 test.plot().savefig("harmonic_frf.png")

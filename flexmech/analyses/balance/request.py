@@ -16,7 +16,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.validation import (
     NOT_NEGATIVE,
     POSITIVE,
-    check_flag,
     check_number,
     checked_tuple,
 )
@@ -42,6 +41,7 @@ class BalanceRequest(BalanceOptions):
     """
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         angles = in_radians("crank_angles", self.crank_angles)
         check_list("crank_angles", angles, increasing=True)
         object.__setattr__(self, "crank_angles", angles)
@@ -50,7 +50,6 @@ class BalanceRequest(BalanceOptions):
         check_number(self.share, "share", "", NOT_NEGATIVE)
         if self.share > 1:
             raise InputError(f"share: must be 0 to 1, got {self.share:g}")
-        check_flag(self.rigid, "rigid")
         object.__setattr__(self, "moment_point", checked_point(self.moment_point))
         if self.weights is not None:
             object.__setattr__(self, "weights", _checked_weights(self.weights))

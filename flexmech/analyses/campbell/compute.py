@@ -28,13 +28,7 @@ from flexmech.analyses.datasets import (
 )
 from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.options import CampbellOptions
-from flexmech.analyses.requests import (
-    Engines,
-    as_many_modes,
-    asked_engines,
-    asks,
-    engines_of,
-)
+from flexmech.analyses.requests import Engines, as_many_modes, asks, engines_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import (
@@ -43,13 +37,12 @@ from flexmech.analyses.summary import (
     left_out_attributes,
 )
 from flexmech.arrays import IntArray, LabelledProgress, silent
-from flexmech.choices import PRESTRESS_LEVELS
 from flexmech.crank_values import CAMPBELL
 from flexmech.hygrothermal import mechanism_in_state
 from flexmech.mechanics import Engine
 from flexmech.solvers.formulation import Formulation, Systems
 from flexmech.threads import one_thread
-from flexmech.validation import POSITIVE, check_choice, check_number, checked_array
+from flexmech.validation import POSITIVE, check_number, checked_array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -238,11 +231,10 @@ def campbell(mechanism: Engines, asked: CampbellOptions) -> CampbellDiagram:
     0      9       1       29.48     30.00
     1     10       1       26.72     29.61
     """
-    engines = engines_of(asked_engines(mechanism, asked, asked.elements))
+    engines = engines_of(mechanism, asked)
     tolerance = asked.tolerance if asked.elements is None else None
     if tolerance is not None:
         check_number(tolerance, "tolerance", bounds=POSITIVE)
-    check_choice(asked.prestress, PRESTRESS_LEVELS, "prestress")
     first, environment = engines[0].mechanism, asked.environment
     speeds, unit = asked_speeds(asked.crank_speeds, asked.speed_unit, first, CAMPBELL)
     angles = checked_array(asked.crank_angles, "crank_angles", "rad")

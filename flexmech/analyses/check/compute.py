@@ -21,7 +21,8 @@ from flexmech.analyses.digits import Quantity, plain
 from flexmech.analyses.frequencies.discretisation import mesh_error
 from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.frequencies.positions import natural_frequencies
-from flexmech.analyses.requests import as_many_modes, engine_of, fewer_modes_lines
+from flexmech.analyses.options import CheckOptions
+from flexmech.analyses.requests import as_many_modes, asks, engine_of, fewer_modes_lines
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table, trust_line
 from flexmech.arrays import ROUND_OFF, FloatArray
@@ -252,16 +253,14 @@ class ModelCheck(Result):
         return Table("links", ("property", *self.dataset["link"].values), (tuple(rows),))
 
 
-def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None) -> ModelCheck:
+@asks(CheckOptions)
+def check_mechanism(mechanism: Engine | Mechanism, asked: CheckOptions) -> ModelCheck:
     """What is known of a mechanism, with its natural frequencies at rest and remarks on it.
 
     Parameters
     ----------
-    engine : Engine or Mechanism
-        It computes the frequencies; of a mechanism the reference engine is made.
-    crank_angle : float, optional
-        Crank angle of the frequencies and of the posture that is drawn, in rad. Left out:
-        frequencies at 0, and a posture in which the links stand apart.
+    mechanism : Mechanism or Engine
+        Its reference engine, or this one, computes the frequencies.
 
     Returns
     -------
@@ -285,8 +284,8 @@ def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None
     >>> check.remarks[0].partition(":")[0]
     'transmission angle 32.21 to 81.33 deg leaves 40 to 140 deg'
     """
-    engine = engine_of(engine, elastic=False)
-    mechanism = engine.mechanism
+    engine = engine_of(mechanism, elastic=False)
+    mechanism, crank_angle = engine.mechanism, asked.crank_angle
     links = mechanism.linkage.topology.links
     sections = {link.name: mechanism.sections.get(link.name) for link in links}
     dataset = section_properties(sections).sel(coupling="with", drop=True)

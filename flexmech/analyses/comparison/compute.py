@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from os import PathLike
 from typing import TYPE_CHECKING
 
 import pandas as pd
@@ -23,20 +22,17 @@ from flexmech.analyses.comparison.problem import (
     damping_times,
 )
 from flexmech.analyses.comparison.words import summary_of
-from flexmech.analyses.crank_speeds import asked_speeds, in_unit
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import provenance, table_of
-from flexmech.analyses.requests import engine_of
+from flexmech.analyses.requests import asks, engines_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, left_out_attributes
-from flexmech.arrays import LabelledProgress, silent
-from flexmech.crank_values import GREATEST
+from flexmech.arrays import silent
 from flexmech.errors import InputError, suggestion
 from flexmech.measured_data import MeasuredRecord, read_record
 from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
-from flexmech.validation import check_instance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -180,13 +176,8 @@ _PROBLEMS: dict[str, Callable[[Engine, MeasuredRecord, ComparisonRequest], Recor
 }
 
 
-def compare_with_record(
-    engine: Engine | Mechanism,
-    record: MeasuredRecord | str | PathLike[str],
-    request: ComparisonRequest | None = None,
-    *,
-    progress: LabelledProgress | None = None,
-) -> Comparison:
+@asks(ComparisonRequest)
+def compare_with_record(mechanism: Engine | Mechanism, request: ComparisonRequest) -> Comparison:
     """Compare a measured record with what is computed, and fit damping or stiffness to it.
 
     What is computed depends on the record: over time the running linkage, by its linear
@@ -196,15 +187,7 @@ def compare_with_record(
 
     Parameters
     ----------
-    engine : Engine or Mechanism
-        A mechanism gets the reference engine.
-    record : MeasuredRecord or path-like
-        In SI units; or a CSV or universal file.
-    request : ComparisonRequest, optional
-        Left out, of a record over time: it was taken at the greatest speed at which the mechanism
-        operates.
-    progress : callable, optional
-        Called with a label, the evaluations done and the most that may be needed.
+    mechanism : Mechanism or Engine
 
     Returns
     -------
@@ -225,17 +208,14 @@ def compare_with_record(
     >>> measured = 0.98 * flexmech.natural_frequencies(engine, angle, modes=1)[:, 0]
     >>> frequency = flexmech.MeasuredQuantity("frequency", "Hz", measured)
     >>> record = flexmech.MeasuredRecord("crank_angle", angle, (frequency,))
-    >>> found = flexmech.compare_with_record(
-    ...     engine, record, flexmech.ComparisonRequest(speed=0.0, fit=("stiffness:coupler",))
-    ... )
+    >>> found = flexmech.compare_with_record(engine, record, 0.0, fit=["stiffness:coupler"])
     >>> 0.8 < found.fitted("stiffness:coupler").value < 1.0
     True
     """
-    own = engine_of(engine)
+    [own] = engines_of(mechanism, request)
+    record, report = request.record, request.progress or silent
     taken = record if isinstance(record, MeasuredRecord) else read_record(record)
-    if request is None:
-        request = _usual_request(own.mechanism, taken)
-    check_instance(request, ComparisonRequest, "request", "give a flexmech.ComparisonRequest")
+    request = request.of(own.mechanism, taken)
     _check_kind(taken, request)
     with one_thread():
         problem, attributes = _PROBLEMS[taken.abscissa](own, taken, request), provenance([own])
@@ -245,19 +225,11 @@ def compare_with_record(
             loss = CountedLoss.of(own, locked, fitted_links)
             problem = replace(problem, engine=loss.engine(own))
             attributes |= loss.attributes
-        fit = fitted(problem, partial(progress or silent, "fit"))
+        fit = fitted(problem, partial(report, "fit"))
         dataset = comparison_dataset(problem, taken, request, fit)
     if "time" not in dataset.dims:
         attributes |= left_out_attributes(own.mechanism)
     return Comparison(Comparison.schema().labelled(dataset.assign_attrs(attributes)))
-
-
-def _usual_request(mechanism: Mechanism, record: MeasuredRecord) -> ComparisonRequest:
-    """At the greatest speed of the mechanism, if the record is of the running linkage."""
-    if record.abscissa != "time":
-        return ComparisonRequest()
-    speeds, unit = asked_speeds(None, None, mechanism, GREATEST)
-    return ComparisonRequest(float(in_unit(speeds, unit)[0]), speed_unit=unit)
 
 
 def _check_kind(record: MeasuredRecord, request: ComparisonRequest) -> None:

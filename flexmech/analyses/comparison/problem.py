@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -14,64 +14,47 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.comparison.fit import Fit, Parameter
-from flexmech.analyses.crank_speeds import RAD_S, one_rad_per_s
+from flexmech.analyses.crank_speeds import RAD_S, asked_speeds, in_unit, one_rad_per_s
 from flexmech.analyses.damping_ratios import with_damping_times
+from flexmech.analyses.options import ComparisonOptions
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
+from flexmech.crank_values import GREATEST
 from flexmech.errors import InputError, suggestion
 from flexmech.measured_data import MeasuredRecord
 from flexmech.mechanics import Engine
+from flexmech.mechanism import Mechanism
 from flexmech.sections import stiffened_section
 from flexmech.validation import check_angle, check_instance, checked_tuple
 
+SPEED_OR_ANGLE = (
+    "speed, angle: give one of them: the crank speed at which the record was taken, or the angle "
+    "at which the crank was locked"
+)
 
-@dataclass(frozen=True)
-class ComparisonRequest:
-    """How a record was taken, and what of the model is fitted to it.
 
-    Parameters
-    ----------
-    speed : float, optional
-        Crank speed in ``speed_unit`` at which the record was taken; 0 for natural frequencies at
-        rest.
-    angle : float, optional
-        Crank angle in rad at which the crank was locked, for a frequency-response function.
-        One of the two.
-    quantity : str, optional
-        What is computed: a column of ``response.csv`` over time, such as
-        ``"coupler_mid_strain"``; for a frequency-response function the points of impact and
-        response, such as ``"coupler:0.5"`` or ``"coupler:0.5,rocker:0.5"``, behind the
-        function's name and an @ where the record holds several. Left out: what the record's own
-        column names.
-    fit : sequence of str, optional
-        Any of ``"damping"``, ``"damping:LINK"``, ``"stiffness:LINK"``, ``"offset"`` and
-        ``"gain"``, or ``"none"``. Left out: ``damping`` over time, ``damping`` and ``gain`` for a
-        frequency-response function, nothing for natural frequencies.
-    speed_unit : str, optional
-        Unit of the speed, such as ``"rpm"``, in which results speak of it. Left out: rad/s.
+class ComparisonRequest(ComparisonOptions):
+    """How a record was taken, and what of the model is fitted to it, checked.
+
+    Parameters as for :class:`flexmech.analyses.options.ComparisonOptions`.
 
     Raises
     ------
     InputError
-        If a value is impossible, or not one of speed and angle is given.
+        If a value is impossible, or speed and angle are given.
 
     Examples
     --------
-    >>> flexmech.ComparisonRequest(speed=20.0, fit=("damping", "stiffness:coupler")).fit
+    >>> asked = {"speed": 20.0, "fit": ["damping", "stiffness:coupler"]}
+    >>> ComparisonRequest("strain.csv", **asked).fit
     ('damping', 'stiffness:coupler')
     """
 
-    speed: float | None = None
-    angle: float | None = None
-    quantity: str | None = None
-    fit: tuple[str, ...] | None = None
-    speed_unit: str | None = field(default=None, repr=False)
+    fit: tuple[str, ...] | None
 
     def __post_init__(self) -> None:
-        if (self.speed is None) == (self.angle is None):
-            raise InputError(
-                "a comparison needs either the crank speed at which the record was taken, or the "
-                "angle at which the crank was locked; give one of speed and angle"
-            )
+        super().__post_init__()
+        if self.speed is not None and self.angle is not None:
+            raise InputError(SPEED_OR_ANGLE)
         _ = self.crank_speed
         if self.angle is not None:
             check_angle(self.angle, "angle")
@@ -82,6 +65,15 @@ class ComparisonRequest:
             object.__setattr__(self, "fit", checked_tuple(self.fit, str, "fit", remedy))
             if not self.fit:
                 raise InputError(f"fit is empty; {remedy}")
+
+    def of(self, mechanism: Mechanism, record: MeasuredRecord) -> ComparisonRequest:
+        """The request with a mechanism's greatest speed for a record over time that says none."""
+        if self.speed is not None or self.angle is not None:
+            return self
+        if record.abscissa != "time":
+            raise InputError(SPEED_OR_ANGLE)
+        speeds, unit = asked_speeds(None, self.speed_unit, mechanism, GREATEST)
+        return replace(self, speed=float(in_unit(speeds, unit)[0]), speed_unit=unit)
 
     @cached_property
     def crank_speed(self) -> float | None:

@@ -18,7 +18,8 @@ from flexmech import plots
 from flexmech.analyses.datasets import DEGREES, origin
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.extremes import extremes
-from flexmech.analyses.requests import environment_of, in_radians
+from flexmech.analyses.options import CouplerPathOptions
+from flexmech.analyses.requests import asks, environment_of, in_radians
 from flexmech.analyses.result import Result
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import Summary, Table, environment_lines, state_name
@@ -343,14 +344,8 @@ class _Path:
         return values | {"length": [*lengths.values()], "member": list(lengths)}
 
 
-def coupler_paths(
-    mechanism: Mechanism,
-    crank_angles: ArrayLike,
-    point: CouplerPoint | None = None,
-    environment: Environment | None = None,
-    *,
-    link: str = "coupler",
-) -> CouplerPaths:
+@asks(CouplerPathOptions)
+def coupler_paths(mechanism: Mechanism, asked: CouplerPathOptions) -> CouplerPaths:
     """Path of a point of the coupler, or of another link, dry and in an environment.
 
     Crunodes, cusps and the check by the curve's equation are of the coupler of a four-bar without
@@ -360,15 +355,6 @@ def coupler_paths(
     ----------
     mechanism : Mechanism
         Dry.
-    crank_angles : array_like, shape (A,)
-        In rad.
-    point : CouplerPoint, optional
-        On the dry link, from its first joint; that of the mechanism if left out.
-    environment : HygrothermalState or Exposure, optional
-        Compared with the dry linkage, if given. The path needs no modulus: above the wet glass
-        transition of a resin it is drawn with a warning.
-    link : str
-        That the point is on; of a chain of beams the first one counts.
 
     Returns
     -------
@@ -384,15 +370,15 @@ def coupler_paths(
     --------
     >>> mechanism = flexmech.load_mechanism("models/neat_resin_figure_8.toml")
     >>> wet = flexmech.HygrothermalState(temperature_rise=80.0, moisture=0.07)
-    >>> paths = flexmech.coupler_paths(mechanism, np.radians(range(361)), environment=wet)
+    >>> paths = flexmech.coupler_paths(mechanism, environment=wet)
     >>> paths.dataset["double_point_state"].values.tolist()  # the wet curve has no loop
     ['dry']
     """
     mechanism, warning = checked_mechanism(mechanism), ""
-    angles = in_radians("crank_angles", crank_angles)
+    angles, environment = in_radians("crank_angles", asked.crank_angles), asked.environment
     if angles.ndim != 1 or not angles.size:
         raise InputError(f"crank_angles must be a row of one or more, got shape {angles.shape}")
-    point, link = _point_of(mechanism, point), _link_named(mechanism.linkage, link)
+    point, link = _point_of(mechanism, asked.point), _link_named(mechanism.linkage, asked.link)
 
     def of(owner: Mechanism, state: Environment) -> _Path:
         return _path(owner, link, point, state, angles)

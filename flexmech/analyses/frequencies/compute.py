@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.crank_speeds import asked_speeds
@@ -19,13 +17,13 @@ from flexmech.analyses.frequencies.frequency_map import speed_effect_terms
 from flexmech.analyses.frequencies.modal_damping import links_without_loss
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.frequencies.result import MovingFrequencies
-from flexmech.analyses.requests import Engines, as_many_modes, engines_of
+from flexmech.analyses.options import FrequencyOptions
+from flexmech.analyses.requests import Engines, as_many_modes, asks, engines_of
 from flexmech.analyses.summary import environment_lines, left_out_attributes, state_name
 from flexmech.arrays import FloatArray, LabelledProgress, silent
-from flexmech.choices import MapPrestress, ShaftChoice
 from flexmech.crank_values import operating_speeds
 from flexmech.hygrothermal import Environment, mechanism_in_state
-from flexmech.mechanics import Engine, RotationTerms
+from flexmech.mechanics import Engine
 from flexmech.mechanism import drawing
 from flexmech.solvers.formulation import Formulation
 from flexmech.threads import one_thread
@@ -138,71 +136,14 @@ def with_states(states: dict[str, xr.Dataset], environment_lines: Sequence[str])
     return both.assign_attrs(environment_lines="\n".join(environment_lines))
 
 
-# Every 5 degrees of a turn, its end with them.
-MAP_ANGLES = np.radians(np.arange(0.0, 361.0, 5.0))
-
-
-def moving_frequencies(
-    engine: Engines,
-    crank_angles: ArrayLike | None = None,
-    crank_speeds: ArrayLike | None = None,
-    *,
-    modes: int | None = None,
-    prestress: MapPrestress = "equilibrium",
-    rotation_terms: bool | RotationTerms = True,
-    speed_effect: bool | Literal["fastest"] = False,
-    environment: Environment | None = None,
-    speed_unit: str | None = None,
-    tolerance: float | None = None,
-    shapes_at: ArrayLike | None = None,
-    smooth: bool = False,
-    shaft: ShaftChoice | None = None,
-    progress: LabelledProgress | None = None,
-) -> MovingFrequencies:
+@asks(FrequencyOptions)
+def moving_frequencies(mechanism: Engines, asked: FrequencyOptions) -> MovingFrequencies:
     """Tracked natural frequencies over crank angles and speeds, with their errors.
 
     Parameters
     ----------
-    engine : Engine, Mechanism or sequence of them
-        Several engines give results side by side; of a mechanism the reference engine is made.
-    crank_angles : array_like, shape (A,), optional
-        Increasing, rad. Left out: a turn in steps of 5 degrees.
-    crank_speeds : array_like, shape (S,), optional
-        In ``speed_unit``. Left out: zero and the speeds at which the mechanism operates; 0, 10 and
-        20 rad/s if it names none.
-    modes : int, optional
-        Number of natural frequencies. Left out: 4, or as many as the model has and as oscillate at
-        all positions.
-    prestress : {"none", "axial", "equilibrium", "trajectory"}
-        With ``trajectory`` engines are linearized in the states of their periodic motion, and
-        the result holds the quasi-static frequencies besides.
-    rotation_terms : bool or RotationTerms
-        Terms of the turning link frames: all, none (the frozen inertial form), or those
-        selected. With them, frozen eigenvalues depend on the frame in which they are written
-        (Floquet multipliers do not): here each link's own.
-    speed_effect : bool or "fastest"
-        Also split the effect of speed by term, with the first engine, at every speed or at the
-        greatest alone (the picture's; elsewhere the result holds no number); not of links that
-        bend without load, which have no unstressed state to begin with.
-    environment : HygrothermalState or Exposure, optional
-        Heat and moisture: the mechanism is computed in them and dry.
-    speed_unit : str, optional
-        Unit of the crank speeds given, such as ``"rpm"``, in which the result speaks of them. Left
-        out: rad/s, and the unit of the model file for speeds that are its own.
-    tolerance : float, optional
-        Estimated relative error of the frequencies by the mesh: each engine doubles its elements
-        until it is met, up to 32 on each link. Left out: the engines' elements are kept.
-    shapes_at : array_like, optional
-        Crank angles in rad at which mode shapes are drawn, of the first engine. Left out: the
-        first crank angle.
-    smooth : bool
-        Also solve between the crank angles, with the first engine, where a line through them
-        would show corners; not with ``trajectory``.
-    shaft : {"prescribed", "free"}, optional
-        Shaft of all engines: whether the shaft turns as prescribed, or its rotation against that is
-        one more coordinate. Left out: that of the engines.
-    progress : callable, optional
-        Called as ``progress(label, done, total)``.
+    mechanism : Mechanism, Engine or sequence of them
+        Several engines give results side by side.
 
     Returns
     -------
@@ -223,22 +164,22 @@ def moving_frequencies(
     >>> result.dataset["frequency"].shape
     (1, 2, 3, 4)
     """
-    engines = engines_of(engine, shaft=shaft)
-    speeds, unit = asked_speeds(crank_speeds, speed_unit, engines[0].mechanism, operating_speeds)
-    asked_angles = MAP_ANGLES if crank_angles is None else crank_angles
-    angles = checked_array(asked_angles, "crank_angles", "rad")
-    report = progress or silent
+    engines, environment = engines_of(mechanism, asked), asked.environment
+    first, tolerance = engines[0].mechanism, asked.tolerance if asked.elements is None else None
+    speeds, unit = asked_speeds(asked.crank_speeds, asked.speed_unit, first, operating_speeds)
+    angles = checked_array(asked.crank_angles, "crank_angles", "rad")
+    report = asked.progress or silent
 
     def compute(count: int) -> xr.Dataset:
         request = FrequencyRequest(
             angles,
             speeds,
-            Formulation(prestress, rotation_terms, count),
-            speed_effect,
+            Formulation(asked.prestress, asked.rotation_terms, count),
+            asked.speed_effect,
             unit,
             tolerance,
-            np.zeros(0) if shapes_at is None else np.asanyarray(shapes_at),
-            smooth and prestress != "trajectory",
+            np.zeros(0) if asked.shapes_at is None else np.asanyarray(asked.shapes_at),
+            asked.smooth and asked.prestress != "trajectory",
         )
         fit = [each.fit_for(count) for each in engines]
         if environment is None:
@@ -247,10 +188,9 @@ def moving_frequencies(
             )
         return _dry_and_in(environment, fit, request, report)
 
-    found, fewer = as_many_modes(compute, modes, unit)
-    asked = {} if tolerance is None else {"tolerance": tolerance}
-    left_out = left_out_attributes(engines[0].mechanism)
-    return MovingFrequencies(found.assign_attrs(left_out | asked | fewer))
+    found, fewer = as_many_modes(compute, asked.modes, unit)
+    told = left_out_attributes(first) | ({} if tolerance is None else {"tolerance": tolerance})
+    return MovingFrequencies(found.assign_attrs(told | fewer))
 
 
 def _dry_and_in(

@@ -52,7 +52,7 @@ class FrequencyRequest:
 
     Examples
     --------
-    >>> flexmech.FrequencyRequest(np.radians([0, 90]), [0, 10, 20])
+    >>> flexmech.analyses.FrequencyRequest(np.radians([0, 90]), [0, 10, 20])
     <FrequencyRequest: 2 crank angles, 3 crank speeds, 4 modes, equilibrium>
     """
 

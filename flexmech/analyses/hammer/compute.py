@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.damping_ratios import CountedLoss
+from flexmech.analyses.damping_ratios import CountedLoss, with_damping_ratio
 from flexmech.analyses.datasets import (
     attributes_of,
     complex_parts,
@@ -22,14 +22,14 @@ from flexmech.analyses.datasets import (
 )
 from flexmech.analyses.hammer.measurement import Measurement, grid_points, measured
 from flexmech.analyses.hammer.plan import LEFT, LockedLinkage, RecordPlan, planned_record
-from flexmech.analyses.hammer.request import HammerRequest, middle_of
+from flexmech.analyses.hammer.request import HammerRequest, at_points
 from flexmech.analyses.hammer.uff import link_places, uff_contents
 from flexmech.analyses.hammer.words import hammer_summary
-from flexmech.analyses.requests import engine_of
+from flexmech.analyses.requests import asks, engines_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import Summary, left_out_attributes
-from flexmech.arrays import ComplexArray, FloatArray, LabelledProgress, silent
+from flexmech.arrays import ComplexArray, FloatArray, silent
 from flexmech.errors import InputError
 from flexmech.files import given_path, moved_into
 from flexmech.measured_data import write_uff
@@ -151,12 +151,8 @@ class HammerTest(Result):
         return [place / name for name in names]
 
 
-def hammer_test(
-    engine: Engine | Mechanism,
-    request: HammerRequest | ArrayLike = 0.0,
-    *,
-    progress: LabelledProgress | None = None,
-) -> HammerTest:
+@asks(HammerRequest)
+def hammer_test(mechanism: Engine | Mechanism, request: HammerRequest) -> HammerTest:
     """Hit the linkage at locked crank angles, as a laboratory does with an impact hammer.
 
     An engine that simulates (Exudyn) runs its nonlinear transient under the pulse; the other's is
@@ -165,13 +161,8 @@ def hammer_test(
 
     Parameters
     ----------
-    engine : Engine or Mechanism
-        Whose links are damped; of a mechanism the reference engine is made.
-    request : HammerRequest or array_like
-        All that a test can be asked to be; or the crank angles in rad alone, for hits on the middle
-        of the coupler, or of the last link where there is none.
-    progress : callable, optional
-        Called with a label, the steps done and the steps to do.
+    mechanism : Mechanism or Engine
+        Whose links are damped.
 
     Returns
     -------
@@ -189,21 +180,23 @@ def hammer_test(
     --------
     >>> mechanism = flexmech.load_mechanism("models/composite_fourbar.toml")
     >>> engine = flexmech.ReferenceEngine(mechanism, elements=4)
-    >>> found = flexmech.hammer_test(engine, flexmech.HammerRequest(np.radians([96.9]), modes=3))
+    >>> found = flexmech.hammer_test(engine, np.radians([96.9]), modes=3)
     >>> found.identified()["frequency_Hz"].round(-1).tolist()
     [880.0, 1020.0, 1420.0]
     """
-    own = engine_of(engine)
-    if not isinstance(request, HammerRequest):
-        middle = middle_of(own.mechanism.linkage.topology)
-        request = HammerRequest(request, middle, middle)
-    engine = own.fit_for(request.modes)
-    report = progress or silent
+    [chosen] = engines_of(mechanism, request)
+    request, report = (
+        at_points(request, chosen.mechanism.linkage.topology),
+        request.progress or silent,
+    )
+    if request.damping_ratio is not None:
+        chosen = with_damping_ratio(chosen, request.damping_ratio)
+    engine = chosen.fit_for(request.modes)
     with one_thread():
-        loss = CountedLoss.of(engine, request.angles)
+        loss = CountedLoss.of(engine, request.crank_angles)
         locked = [
             LockedLinkage.at(loss.engine(engine, place), float(angle), request.prestress)
-            for place, angle in enumerate(request.angles)
+            for place, angle in enumerate(request.crank_angles)
         ]
         plan = planned_record(request, locked)
         found = [
@@ -276,7 +269,7 @@ def dataset_of(
     modes = max(len(each.poles) for each in found)
     pulse_time = plan.pulse.start + plan.pulse.duration * _PULSE_PLACES
     values: Values = {
-        "crank_angle": request.angles,
+        "crank_angle": request.crank_angles,
         "average": np.arange(1, request.averages + 1),
         "time": plan.time,
         "frequency": found[0].estimate.frequency,
@@ -291,7 +284,7 @@ def dataset_of(
         "mac": np.full((len(found), modes), np.nan),
         **_circles(found, plan, modes),
         **_charts([each.modes.chart for each in found]),
-        **link_places(engine, request.angles),
+        **link_places(engine, request.crank_angles),
     }
     for name, of_lines in _OF_LINES.items():
         values |= complex_parts(name, np.stack([of_lines(each) for each in found]))

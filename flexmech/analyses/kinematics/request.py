@@ -38,6 +38,7 @@ class KinematicsRequest(KinematicsOptions):
     """
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "moment_point", checked_point(self.moment_point))
         angles = in_radians("crank_angles", self.crank_angles)
         if angles.ndim != 1 or not angles.size or np.any(np.diff(angles) <= 0):

@@ -17,7 +17,8 @@ from flexmech import plots
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.digits import Quantity, percent, plain, rounded
 from flexmech.analyses.frequencies.discretisation import share_of_error
-from flexmech.analyses.requests import link_of
+from flexmech.analyses.options import MoistureOptions
+from flexmech.analyses.requests import asks, link_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.arrays import ROUND_OFF, FloatArray
@@ -221,27 +222,14 @@ _TIMES_TO_SHARES = 400
 _LONGEST = 40.0
 
 
-def moisture_uptake(
-    mechanism: Mechanism,
-    relative_humidity: float,
-    time: float,
-    temperature: float | None = None,
-    link: str | None = None,
-) -> MoistureUptake:
+@asks(MoistureOptions)
+def moisture_uptake(mechanism: Mechanism, asked: MoistureOptions) -> MoistureUptake:
     """Moisture profiles and uptake of links in constant ambient conditions, from dry.
 
     Parameters
     ----------
     mechanism : Mechanism
         Dry.
-    relative_humidity : float
-        Above 0, up to 1.
-    time : float
-        Time of exposure in s.
-    temperature : float, optional
-        Temperature of air and links in K; the mechanism's reference temperature if left out.
-    link : str, optional
-        One link alone; all that take up water if left out.
 
     Returns
     -------
@@ -261,8 +249,11 @@ def moisture_uptake(
     array([0.596])
     """
     mechanism = checked_mechanism(mechanism)
-    end = checked_number(time, "time", "s", POSITIVE)
-    humidity = checked_number(relative_humidity, "relative_humidity", "", Bounds(above=0, most=1))
+    temperature, link = asked.temperature, asked.link
+    end = checked_number(asked.time, "time", "s", POSITIVE)
+    humidity = checked_number(
+        asked.relative_humidity, "relative_humidity", "", Bounds(above=0, most=1)
+    )
     kelvin = mechanism.reference_temperature if temperature is None else temperature
     kelvin = checked_number(kelvin, "temperature", "K", POSITIVE)
     known, absorbing = mechanism.linkage.topology.link_names, absorbing_links(mechanism)

@@ -16,14 +16,14 @@ import logging
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.damping_ratios import CountedLoss
-from flexmech.analyses.default_engines import engine_for, engine_kind
-from flexmech.analyses.requests import Engines, asks, engine_of, engines_of
+from flexmech.analyses.default_engines import engine_kind
+from flexmech.analyses.requests import Engines, asks, engines_of
 from flexmech.analyses.response.dataset import add_mesh_errors, build_dataset
 from flexmech.analyses.response.driven import with_motor
 from flexmech.analyses.response.motor_passes import KnownMotion, MotorPasses
@@ -33,13 +33,11 @@ from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.run import mesh_error, run_engine
 from flexmech.analyses.response.shaping import check_stops, with_shaped_law
 from flexmech.analyses.response.start import simulation_start
-from flexmech.arrays import FloatArray, LabelledProgress, silent
-from flexmech.choices import Integrator
+from flexmech.arrays import FloatArray, silent
 from flexmech.dynamical_systems import ON_A_STEP
 from flexmech.dynamical_systems.fourier import FourierSeries
 from flexmech.errors import ComputationError, InputError
-from flexmech.hygrothermal import Environment
-from flexmech.linkages import Drive, MotorDrive, MotorRun, SettledRun
+from flexmech.linkages import MotorRun, SettledRun
 from flexmech.linkages.change_points import TURN
 from flexmech.linkages.motors.integrated_run import known_until
 from flexmech.linkages.motors.motor_run import (
@@ -50,10 +48,13 @@ from flexmech.linkages.motors.motor_run import (
     turn_series,
 )
 from flexmech.mechanics import Engine
-from flexmech.mechanics.running import DrivenLinkage, LinkState, ShaftTorque
+from flexmech.mechanics.running import DrivenLinkage, ShaftTorque
 from flexmech.mechanism import Mechanism
 from flexmech.solvers import linear_run, state_under_motor
 from flexmech.threads import one_thread
+
+if TYPE_CHECKING:
+    from flexmech.analyses.default_engines import ExudynEngine, ExudynSystem
 
 logger = logging.getLogger(__name__)
 
@@ -205,9 +206,6 @@ def _turn(
     return KnownMotion.recorded(run, given), found.driving_torque
 
 
-System = TypeVar("System", covariant=True)
-
-
 @asks(ResponseRequest)
 def response(mechanism: Engines, request: ResponseRequest) -> Response:
     """Run a linkage at constant crank speed, by a law of motion of its crank, or under a motor.
@@ -241,7 +239,7 @@ def response(mechanism: Engines, request: ResponseRequest) -> Response:
     >>> [str(name) for name in run.dataset["deflection"].dims]
     ['engine', 'time', 'link']
     """
-    engines, report = engines_of(mechanism), request.progress or silent
+    engines, report = engines_of(mechanism, request), request.progress or silent
     request, environment = request.of(engines[0].mechanism), request.environment
     engines, request = with_motor(engines, request, environment)
     chosen, lines = engines_in_state(engines, request, environment)
@@ -269,60 +267,17 @@ def response(mechanism: Engines, request: ResponseRequest) -> Response:
     return Response(Response.schema().labelled(dataset))
 
 
-def _request(
-    speed: ResponseRequest | Drive | MotorDrive | float | None,
-    unit: str | None,
-    mechanism: Mechanism,
-) -> ResponseRequest:
-    """All that a run is asked to be, as it is usual but for the speed where that alone is given."""
-    if not isinstance(speed, ResponseRequest):
-        return ResponseRequest(speed, speed_unit=unit).of(mechanism)
-    if unit is not None:
-        raise InputError("speed_unit: the request has its own; give it there")
-    return speed.of(mechanism)
-
-
-class _HandsOver(Protocol[System]):
-    """An engine whose running model is a system of its own program."""
-
-    def running_system(
-        self,
-        drive: Drive,
-        start: LinkState,
-        step: float,
-        steps: int,
-        *,
-        integrator: Integrator = "trapezoidal",
-        stride: int = 1,
-    ) -> System:
-        """Hand over the system that the engine simulates."""
-
-
-def exudyn_system(
-    engine: _HandsOver[System] | Mechanism,
-    speed: ResponseRequest | Drive | float | None = None,
-    *,
-    speed_unit: str | None = None,
-    environment: Environment | None = None,
-    progress: LabelledProgress | None = None,
-) -> System:
+@asks(ResponseRequest)
+def exudyn_system(mechanism: Engine | Mechanism, request: ResponseRequest) -> ExudynSystem:
     """Assemble the Exudyn system that :func:`response` runs, with named items and sensors.
 
     It is ready for ``system.mbs.SolveDynamic(system.settings)``, for the viewer, and for
-    whatever Exudyn can do besides; ``system.script`` makes the same system without flexmech.
+    whatever Exudyn can do besides; ``system.script`` makes the same system without flexmech. Where
+    no step is asked for, the run of :func:`response` is made first to find one.
 
     Parameters
     ----------
-    engine : ExudynEngine or Mechanism
-        Engine of a mechanism that engine is made.
-    speed : float, Drive or ResponseRequest, optional
-        As of :func:`response`, whose run is made first to find the step where none is asked for.
-    speed_unit : str, optional
-        As of :func:`response`.
-    environment : HygrothermalState or Exposure, optional
-        Heat and moisture that the mechanism runs in; dry by default.
-    progress : callable, optional
-        Called with a label, the steps done and the steps to do.
+    mechanism : Mechanism or ExudynEngine
 
     Returns
     -------
@@ -338,23 +293,24 @@ def exudyn_system(
     Examples
     --------
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-    >>> request = flexmech.ResponseRequest(20.0, 0.01, step=1e-4)
-    >>> system = flexmech.exudyn_system(flexmech.ExudynEngine(mechanism, 2), request)
+    >>> engine = flexmech.ExudynEngine(mechanism, 2)
+    >>> system = flexmech.exudyn_system(engine, 20.0, revolutions=0.01, step=1e-4)
     >>> system.nodes["coupler_node_1"], system.objects["pin_A"], system.sensors["driving_torque"]
     (4, 13, 15)
     """
-    asked = engine_of(engine_for(cast("Engine | Mechanism", engine), "exudyn"))
-    if not hasattr(asked, "running_system"):
+    asked = replace(request, engine=request.engine or "exudyn", environment=None)
+    [engine] = engines_of(mechanism, asked if isinstance(mechanism, Mechanism) else request)
+    if not hasattr(engine, "running_system"):
         raise InputError(
-            f"the {asked.name} engine has no Exudyn system; give flexmech.ExudynEngine(mechanism)"
+            f"the {engine.name} engine has no Exudyn system; give flexmech.ExudynEngine(mechanism)"
         )
-    report, request = progress or silent, _request(speed, speed_unit, asked.mechanism)
+    report, request = request.progress or silent, request.of(engine.mechanism)
     if isinstance(request.drive, MotorRun):
         raise InputError(
             "drive: an exported Exudyn system has no motor; give a crank speed or a law in its "
             "place, or run it by flexmech response"
         )
-    [chosen], _ = engines_in_state([asked], request, environment)
+    [chosen], _ = engines_in_state([engine], request, request.environment)
     with one_thread():
         loss = CountedLoss.of(chosen)
         chosen = loss.engine(chosen)
@@ -365,7 +321,7 @@ def exudyn_system(
             step = run.trajectory.step
         start = simulation_start(chosen, request, step)
         stride = request.sample_interval / step
-        system = cast("_HandsOver[System]", chosen).running_system(
+        system = cast("ExudynEngine", chosen).running_system(
             request.drive,
             start,
             step,
@@ -373,5 +329,4 @@ def exudyn_system(
             integrator=request.integrator,
             stride=round(stride) if abs(stride - round(stride)) < ON_A_STEP else 1,
         )
-        told = replace(cast(Any, system), remarks=tuple(loss.attributes.values()))
-        return cast(System, told)
+        return replace(system, remarks=tuple(loss.attributes.values()))

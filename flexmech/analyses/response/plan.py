@@ -103,14 +103,12 @@ def engines_in_state(
         or a free shaft is to start on a periodic motion or to run by linear equations without
         prestress.
     """
-    check_instance(request, ResponseRequest, "request", "give a flexmech.ResponseRequest")
-    chosen = engines_of(engines, request.modes)
+    check_instance(request, ResponseRequest, "request", "give a flexmech.analyses.ResponseRequest")
+    chosen = engines_of(engines, modes=request.modes)
     lines = environment_lines(chosen[0].mechanism, environment)
     if environment is not None:
         wet = mechanism_in_state(chosen[0].mechanism, environment)
         chosen = [engine.with_(mechanism=wet).fit_for(request.modes) for engine in chosen]
-    if request.shaft is not None:
-        chosen = [engine.with_(shaft=request.shaft) for engine in chosen]
     free = any(engine.shaft == "free" for engine in chosen)
     if request.start == "periodic" and free and not isinstance(request.drive, MotorRun):
         raise InputError(NO_PERIODIC_START)

@@ -13,7 +13,7 @@ from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.response.agreement import best_known, errors_of, quantities_of
 from flexmech.analyses.response.dataset import build_dataset
 from flexmech.analyses.response.plan import planned, undamped, vibrating_engine
-from flexmech.analyses.response.request import FREE_SHAFT_GOES_ON, ResponseRequest, Shaping
+from flexmech.analyses.response.request import FREE_SHAFT_GOES_ON, ResponseRequest
 from flexmech.analyses.response.residual_vibration import residual_numbers, rests
 from flexmech.analyses.response.run import run_engine
 from flexmech.analyses.summary import Aspect
@@ -25,6 +25,7 @@ from flexmech.linkages import (
     InputShaper,
     PathShapedDrive,
     ShapedDrive,
+    Shaping,
     input_shaper,
 )
 from flexmech.mechanics import Engine

@@ -18,7 +18,7 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_attributes, theory_lines
-from flexmech.analyses.crank_speeds import RAD_S, asked_speeds, in_unit
+from flexmech.analyses.crank_speeds import RAD_S
 from flexmech.analyses.damping_ratios import (
     CountedLoss,
     lowest_frequency,
@@ -33,13 +33,12 @@ from flexmech.analyses.datasets import (
 )
 from flexmech.analyses.digits import Quantity
 from flexmech.analyses.frequencies.positions import natural_frequencies
-from flexmech.analyses.hammer.request import RunningHammerRequest, middle_of
-from flexmech.analyses.requests import engine_of
+from flexmech.analyses.hammer.request import RunningHammerRequest
+from flexmech.analyses.requests import asks, engines_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.schema import Values
 from flexmech.analyses.summary import Summary, Table, crank_speed_text, warnings_of
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
-from flexmech.crank_values import GREATEST
 from flexmech.dynamical_systems import (
     ForcedPeriodicSystem,
     balanced_response,
@@ -214,11 +213,9 @@ _BALANCED, _SPARE_HARMONICS = 5, 20
 _MOST_HARMONICS = 60
 
 
+@asks(RunningHammerRequest)
 def running_hammer_test(
-    engine: Engine | Mechanism,
-    speed: RunningHammerRequest | float | None = None,
-    *,
-    speed_unit: str | None = None,
+    mechanism: Engine | Mechanism, request: RunningHammerRequest
 ) -> RunningHammerTest:
     """What a force on the running linkage does: harmonic transfer functions H_n(f).
 
@@ -229,14 +226,7 @@ def running_hammer_test(
 
     Parameters
     ----------
-    engine : Engine or Mechanism
-        The reference engine, or a mechanism of which it is made.
-    speed : float or RunningHammerRequest, optional
-        Crank speed in ``speed_unit``, or all that can be asked for. Left out: the greatest speed at
-        which the mechanism operates.
-    speed_unit : str, optional
-        Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s,
-        that of the request, or that of the model file for the mechanism's speed.
+    mechanism : Mechanism or ReferenceEngine
 
     Returns
     -------
@@ -255,14 +245,14 @@ def running_hammer_test(
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
     >>> engine = flexmech.ReferenceEngine(mechanism, elements=2)
     >>> hit, seen = map(flexmech.LinkPoint.parse, ("coupler:0.5", "rocker:0.5"))
-    >>> request = flexmech.RunningHammerRequest(
-    ...     20.0, hit, seen, prestress="axial", damping_ratio=0.1, bandwidth=60.0, orders=1
+    >>> asked = {"impact": hit, "response": seen, "bandwidth": 60.0, "orders": 1}
+    >>> found = flexmech.running_hammer_test(
+    ...     engine, 20.0, prestress="axial", damping_ratio=0.1, **asked
     ... )
-    >>> found = flexmech.running_hammer_test(engine, request)
     >>> found.peaks()["order"].tolist()
     [-1, 0, 1]
     """
-    chosen = engine_of(engine)
+    [chosen] = engines_of(mechanism, request)
     if chosen.simulates:
         raise InputError(
             f"a hammer test of the running linkage is the linear periodic answer of the reference "
@@ -271,10 +261,8 @@ def running_hammer_test(
         )
     chosen.require_prescribed_shaft("a hammer test of the running linkage")
     chosen = chosen.fit_for(_MODES)
-    request = _request(speed, speed_unit, chosen.mechanism)
+    request = request.of(chosen.mechanism)
     with one_thread():
-        for point in (request.impact, request.response):
-            point.index(chosen.mechanism.linkage.topology)
         # A crank that cannot turn round shows itself here, before anything is computed.
         turn = np.linspace(0.0, 2 * np.pi, 73)
         chosen.mechanism.linkage.motion(turn, 1.0)
@@ -290,21 +278,6 @@ def running_hammer_test(
         dataset = _dataset(chosen, request, _running_linkage(chosen, request))
     dataset.attrs |= attributes
     return RunningHammerTest(dataset)
-
-
-def _request(
-    speed: RunningHammerRequest | float | None, unit: str | None, mechanism: Mechanism
-) -> RunningHammerRequest:
-    """All that is asked for; as it is usual where the speed alone is given."""
-    if isinstance(speed, RunningHammerRequest):
-        if unit is not None:
-            raise InputError("speed_unit: the request has its own; give it there")
-        return speed
-    if speed is None:
-        speeds, shown = asked_speeds(None, unit, mechanism, GREATEST)
-        speed, unit = float(in_unit(speeds, shown)[0]), shown
-    middle = middle_of(mechanism.linkage.topology)
-    return RunningHammerRequest(speed, middle, middle, speed_unit=unit)
 
 
 @dataclass(frozen=True)
@@ -382,13 +355,13 @@ def _running_linkage(engine: Engine, request: RunningHammerRequest) -> _RunningL
     bandwidth = request.bandwidth
     if bandwidth is None:
         bandwidth = _BANDWIDTH * lowest_frequency(undamped) / (2 * np.pi)
-    reach = (request.orders + _GUARD_ORDERS) * abs(request.speed) / (2 * np.pi)
+    reach = (request.orders + _GUARD_ORDERS) * abs(request.crank_speed) / (2 * np.pi)
     # Strongly damped modes that creep back have no frequency to be counted by.
     modes = _modes_below(undamped, _DETAIL * (bandwidth + reach))
     systems, counts, steps = [], [], 0
     for larger in (0, 1):
         solver = LinkageSolver(engine, request.prestress, modes, larger=larger)
-        moving = solver.moving_modes(request.speed)
+        moving = solver.moving_modes(request.crank_speed)
         stressed = engine.stressed_links(moving.turn.motion, request.prestress)
         acting = engine.connected_matrices(
             engine.frames, moving.turn.displaced, request.prestress, stressed
@@ -405,7 +378,7 @@ def _running_linkage(engine: Engine, request: RunningHammerRequest) -> _RunningL
             f"no record decays at crank speed {CRANK_SPEED}: a vibration of the running linkage "
             f"grows by {growth_rate:.3g} 1/s; give the links more damping, or take another speed "
             "(flexmech stability tells which speeds do that)",
-            crank_speed=request.speed,
+            crank_speed=request.crank_speed,
         )
     frequency = _frequencies(request, bandwidth, systems[0].system.period, growth_rate)
     forced, more = systems
@@ -457,7 +430,7 @@ def _dataset(engine: Engine, request: RunningHammerRequest, running: _RunningLin
         provenance([engine])
         | attributes_of(request, "direction", "prestress")
         | attributes_of(running, "bandwidth", "moving_modes"),
-        crank_speed=request.speed,
+        crank_speed=request.crank_speed,
         speed_unit=request.speed_unit or RAD_S,
         engine=engine.name,
         element=engine.element,
@@ -479,8 +452,8 @@ def _frozen_response(
     """
     phase = 2 * np.pi / _FROZEN_ANGLES * np.arange(_FROZEN_ANGLES)
     system = engine.linear_system(
-        np.sign(request.speed) * phase,
-        request.speed,
+        np.sign(request.crank_speed) * phase,
+        request.crank_speed,
         prestress=request.prestress,
         rotation_terms=False,
         detail=1.0,

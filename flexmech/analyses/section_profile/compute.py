@@ -19,12 +19,13 @@ from flexmech.analyses.check.sections import (
 )
 from flexmech.analyses.datasets import Columns, columns_along, origin, table_of
 from flexmech.analyses.digits import Quantity, plain
-from flexmech.analyses.requests import environment_of, link_of
+from flexmech.analyses.options import SectionOptions
+from flexmech.analyses.requests import asks, environment_of, link_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table, environment_lines
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.hygrothermal import Environment, mechanism_in_state
+from flexmech.hygrothermal import mechanism_in_state
 from flexmech.materials.laminate import stacking_text
 from flexmech.mechanics import checked_mechanism
 from flexmech.mechanism import Mechanism
@@ -40,9 +41,8 @@ _SECTIONS = {
 }
 
 
-def section_profiles(
-    mechanism: Mechanism, link: str | None = None, *, environment: Environment | None = None
-) -> SectionProfiles:
+@asks(SectionOptions)
+def section_profiles(mechanism: Mechanism, asked: SectionOptions) -> SectionProfiles:
     """Properties of the links' sections, and strain and stress in them under unit loads.
 
     The loads are 1 N along the pins' axis (not the neutral axis: with coupling it bends the
@@ -53,10 +53,6 @@ def section_profiles(
     ----------
     mechanism : Mechanism
         Dry, at its reference temperature.
-    link : str, optional
-        This link alone, such as ``"coupler"``; all of them by default.
-    environment : HygrothermalState or Exposure, optional
-        Heat and moisture that the sections are in.
 
     Returns
     -------
@@ -75,6 +71,7 @@ def section_profiles(
     array([[62.13, 89.8 ]])
     """
     names = checked_mechanism(mechanism).links_with_sections
+    link, environment = asked.link, asked.environment
     chosen = names if link is None else [link_of(link, names)]
     if not chosen:
         raise InputError(

@@ -26,7 +26,7 @@ from flexmech.analyses.stability.speed_range import (
     with_windows,
 )
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.errors import ComputationError, InputError, suggestion
+from flexmech.errors import ComputationError, InputError, naming, suggestion
 from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.quantity_lists import parse_quantities
@@ -164,6 +164,7 @@ class Against:
         ----------
         mechanism : Mechanism
         asked : tuple of str and array_like
+            Values as numbers in SI units, or as a text that :func:`values_of` reads.
 
         Returns
         -------
@@ -185,6 +186,9 @@ class Against:
             raise InputError(
                 f"against: there is no {parameter!r}; {suggestion(str(parameter), list(known))}"
             )
+        if isinstance(values, str):
+            with naming("against"):
+                parameter, values = asked_range(mechanism, parameter, values)
         return cls(parameter, np.asanyarray(values), known[parameter])
 
     @property

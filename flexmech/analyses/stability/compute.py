@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_attributes
@@ -31,7 +30,8 @@ from flexmech.analyses.datasets import (
     records,
     table_of,
 )
-from flexmech.analyses.requests import Engines, engines_of
+from flexmech.analyses.options import StabilityOptions
+from flexmech.analyses.requests import Engines, asks, engines_of
 from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.result import Result
 from flexmech.analyses.stability.against import Against, map_against
@@ -53,8 +53,8 @@ from flexmech.analyses.stability.growth import (
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.words import summary_of
 from flexmech.analyses.summary import Summary, left_out_attributes
-from flexmech.arrays import FloatArray, LabelledProgress, silent
-from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, Prestress, ShaftChoice
+from flexmech.arrays import FloatArray, silent
+from flexmech.choices import Prestress
 from flexmech.crank_values import STABILITY
 from flexmech.errors import ComputationError, InputError
 from flexmech.interruption import tidying
@@ -466,20 +466,8 @@ def _motion_distance(engine: Engine, request: StabilityRequest) -> float:
     return float(np.abs(moved - still).max() / np.abs(moved).max())
 
 
-def stability(
-    engine: Engines,
-    crank_speeds: ArrayLike | None = None,
-    *,
-    prestress: MapPrestress | None = None,
-    frame: MovingFrame = "link",
-    modes: int = KEPT_MODES,
-    steps: int | None = None,
-    damping_ratio: float | None = None,
-    against: tuple[str, ArrayLike] | None = None,
-    speed_unit: str | None = None,
-    shaft: ShaftChoice | None = None,
-    progress: LabelledProgress | None = None,
-) -> StabilityMap:
+@asks(StabilityOptions)
+def stability(mechanism: Engines, asked: StabilityOptions) -> StabilityMap:
     """At which crank speeds vibrations of the running linkage grow by themselves.
 
     At constant crank speed the linear equations of the links' vibration are periodic. Floquet's
@@ -488,38 +476,8 @@ def stability(
 
     Parameters
     ----------
-    engine : Engine, Mechanism or sequence of them
-        Several engines give results side by side; of a mechanism the reference engine is made.
-    crank_speeds : array_like, shape (S,), optional
-        In ``speed_unit``, not zero, all of one sign. Left out: from half to 1.5 times the greatest
-        speed at which the mechanism operates.
-    prestress : {"none", "axial", "equilibrium", "trajectory"}, optional
-        Prestress of the motion that vibrations are about: the quasi-static equilibrium along the
-        turn, or the periodic motion itself (``trajectory``). Left out: the periodic motion of
-        damped links, which settle on it; the equilibrium of undamped links, with ``against``, and
-        where :func:`flexmech.solvers.nonlinear_orbit` refuses what acts on the links.
-    frame : {"link", "inertial"}
-        Frame of the coordinates. The multipliers are the same in both.
-    modes : int
-        Natural modes whose Floquet modes are kept.
-    steps : int, optional
-        Steps of the propagator a turn, a multiple of 16. Left out: chosen by the fastest mode.
-    damping_ratio : float, optional
-        Z: all links get the Kelvin-Voigt time 2 Z/omega_1, with the first natural frequency at
-        rest averaged over the turn. Left out: the model's damping counts.
-    against : tuple of (str, array_like), optional
-        A second parameter and its values in SI units: ``"damping-ratio"``, ``"moisture"``,
-        ``"temperature-rise"``, or a quantity of the model file by its key, such as
-        ``"linkage.coupler"`` or ``"links.coupler.in_plane_thickness"``. With prestress
-        ``trajectory`` each point has a periodic motion of its own, which takes its time.
-    speed_unit : str, optional
-        Unit of the crank speeds given, such as ``"rpm"``, in which the result speaks of them. Left
-        out: rad/s, and the unit of the model file for speeds that are its own.
-    shaft : {"prescribed", "free"}, optional
-        Shaft of all engines: whether the shaft turns as prescribed, or its rotation against that is
-        one more coordinate. Left out: that of the engines.
-    progress : callable, optional
-        Called as ``progress(label, done, total)``.
+    mechanism : Mechanism, Engine or sequence of them
+        Several engines give results side by side.
 
     Returns
     -------
@@ -545,22 +503,25 @@ def stability(
        from_rad_s  to_rad_s       kind branches  order
     0        86.2      88.0  principal        2      7
     """
-    engines = engines_of(engine, modes, shaft)
-    speeds, unit = asked_speeds(crank_speeds, speed_unit, engines[0].mechanism, STABILITY)
+    engines = engines_of(mechanism, asked, asked.modes)
+    speeds, unit = asked_speeds(
+        asked.crank_speeds, asked.speed_unit, engines[0].mechanism, STABILITY
+    )
     request = StabilityRequest(
         speeds,
-        prestress or "equilibrium",
-        frame,
-        modes,
-        steps,
-        damping_ratio,
+        asked.prestress or "equilibrium",
+        asked.frame,
+        asked.modes,
+        asked.steps,
+        asked.damping_ratio,
         unit,
     )
+    against, damping_ratio = asked.against, asked.damping_ratio
     refuse_passing(engines[0].mechanism.linkage, np.array([0.0, 2 * np.pi]))
     second = None if against is None else Against.of(engines[0].mechanism, against)
-    report = progress or silent
+    report = asked.progress or silent
     maps: list[EngineStability] = []
-    attributes = theory_attributes(engines, modes)
+    attributes = theory_attributes(engines, asked.modes)
     with one_thread(), tidying():
         if damping_ratio is None:
             loss = CountedLoss.of(engines[0])
@@ -569,7 +530,7 @@ def stability(
         damped = engines[0]
         if damping_ratio is not None:
             damped = with_damping_ratio(damped, damping_ratio)
-        if prestress is None and against is None and _settles(damped):
+        if asked.prestress is None and against is None and _settles(damped):
             request = replace(request, prestress="trajectory")
         extra = _moving(engines[0], request)
         distance = np.nan

@@ -11,15 +11,12 @@ from flexmech.analyses.requests import check_list
 from flexmech.arrays import FloatArray
 from flexmech.choices import (
     KEPT_MODES,
-    MAP_PRESTRESS_LEVELS,
-    MOST_MODES,
-    MOVING_FRAMES,
     MapPrestress,
     MovingFrame,
 )
 from flexmech.errors import InputError
 from flexmech.solvers.floquet_modes import MOST_STEPS, SHAPE_ANGLES
-from flexmech.validation import check_choice, check_count, check_number, checked_array
+from flexmech.validation import check_count, check_number, checked_array
 
 # So that half of them, by which the error of the steps is told, meet all crank angles at which
 # shapes are compared.
@@ -71,9 +68,6 @@ class StabilityRequest:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "crank_speeds", _checked_speeds(self.crank_speeds))
-        check_choice(self.prestress, MAP_PRESTRESS_LEVELS, "prestress")
-        check_choice(self.frame, MOVING_FRAMES, "frame")
-        check_count(self.modes, "modes", most=MOST_MODES)
         if self.steps is not None:
             _check_steps(self.steps)
         if self.damping_ratio is not None:

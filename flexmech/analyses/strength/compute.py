@@ -13,7 +13,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.datasets import filled, origin, padded
 from flexmech.analyses.digits import percent
-from flexmech.analyses.requests import Engines, asked_engines, asks, engines_of
+from flexmech.analyses.requests import Engines, asks, engines_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.schema import Values, schema_of
 from flexmech.analyses.strength.joint_loads import InternalForces, LoadsAtAngles, LoadsOfTurn
@@ -245,7 +245,7 @@ def strength(mechanism: Engines, request: StrengthRequest) -> Strength:
     """
     first = mechanism[0] if isinstance(mechanism, Sequence) and mechanism else mechanism
     dry = checked_mechanism(first.mechanism if isinstance(first, Engine) else first)
-    engines = asked_engines(mechanism, request, request.elements)
+    engines = engines_of(mechanism, request)
     judged = JudgedMechanism.of(dry, request)
     wet, turning = judged.mechanism, request.speed_of(dry)
     rigid = all(link.rigid for link in wet.linkage.topology.links)
@@ -254,7 +254,7 @@ def strength(mechanism: Engines, request: StrengthRequest) -> Strength:
         dataset, attributes = _of_rigid_links(judged, request.crank_angles, turning)
     else:
         dataset, attributes = _by_engines(
-            judged, engines_of(engines), request, turning, request.progress or silent
+            judged, engines, request, turning, request.progress or silent
         )
     if source == "quasi-static":
         straight, judged_at = _of_rigid_links(judged, request.crank_angles, turning)

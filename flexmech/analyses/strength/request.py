@@ -5,18 +5,10 @@ from __future__ import annotations
 from flexmech.analyses.crank_speeds import RAD_S, one_rad_per_s
 from flexmech.analyses.options import StrengthOptions
 from flexmech.analyses.requests import check_list, environment_of, in_radians
-from flexmech.choices import (
-    CRITERIA,
-    LOAD_SOURCES,
-    MOST_ELEMENTS,
-)
-from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, HygrothermalState
 from flexmech.mechanism import Mechanism
 from flexmech.validation import (
     POSITIVE,
-    check_choice,
-    check_count,
     check_flag,
     check_number,
 )
@@ -39,19 +31,14 @@ class StrengthRequest(StrengthOptions):
     """
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         angles = in_radians("crank_angles", self.crank_angles)
         check_list("crank_angles", angles, increasing=True)
         object.__setattr__(self, "crank_angles", angles)
         if self.speed is not None:
             one_rad_per_s(self.speed, self.speed_unit, "speed")
-        if self.criterion is not None:
-            check_choice(self.criterion, CRITERIA, "criterion")
-        check_choice(self.source, LOAD_SOURCES, "source")
         check_flag(self.search_speed, "search_speed")
         check_number(self.revolutions, "revolutions", "", POSITIVE)
-        check_count(self.elements, "elements")
-        if self.elements > MOST_ELEMENTS:
-            raise InputError(f"elements: {self.elements} are beyond {MOST_ELEMENTS} a link")
         if self.environment is not None:
             environment_of(self.environment)
 

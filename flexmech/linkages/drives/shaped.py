@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
-from flexmech.choices import SHAPERS, ShaperName
+from flexmech.choices import MOST_MODES, SHAPED_FOR, SHAPERS, ShapedFor, ShaperName
 from flexmech.errors import ComputationError, InputError
 from flexmech.linkages.drives.drive import Drive, PiecewiseMotion
 from flexmech.linkages.drives.laws import TableDrive
@@ -35,6 +35,7 @@ from flexmech.validation import (
     POSITIVE,
     Bounds,
     check_choice,
+    check_count,
     check_instance,
     check_number,
     checked_array,
@@ -255,6 +256,63 @@ _SAME = 1e-12
 _PIECES, _STEPS = 24, 84
 # Distance inside an interval at which its ends are evaluated: accelerations may jump at them.
 _INSIDE = 1e-9
+
+
+@dataclass(frozen=True)
+class Shaping:
+    """An input shaper that a law of motion is given, to be run beside the plain law.
+
+    Parameters
+    ----------
+    kind : {"zv", "zvd", "ei"}
+        See :func:`flexmech.input_shaper`.
+    modes : tuple of int, optional
+        Modes of the linkage where it stops, counted from 1, for which it is shaped, one after the
+        other. Left out: those that ring by more than a tenth of what rings most after the plain
+        law.
+    frequencies : {"end", "path"}
+        Natural frequencies for which it is shaped: where the crank stops, or those along its path.
+    tolerated : float, optional
+        Residual vibration of EI at the frequency itself, over that of the plain law; a twentieth
+        if left out.
+
+    Raises
+    ------
+    InputError
+        If a value is impossible.
+
+    Examples
+    --------
+    >>> flexmech.Shaping("zvd", modes=(1, 2), frequencies="path").words
+    'ZVD shaper along the path'
+    """
+
+    kind: ShaperName
+    modes: tuple[int, ...] | None = None
+    frequencies: ShapedFor = "end"
+    tolerated: float | None = None
+
+    def __post_init__(self) -> None:
+        check_choice(self.kind, SHAPERS, "shaper")
+        check_choice(self.frequencies, SHAPED_FOR, "shaped_for")
+        if self.tolerated is not None:
+            check_number(self.tolerated, "tolerated vibration", "", Bounds(above=0.0, below=1.0))
+            if self.kind != "ei":
+                raise InputError(
+                    f"a tolerated vibration belongs to the shaper ei, and not to {self.kind}; "
+                    "leave it out, or take ei"
+                )
+        if self.modes is not None:
+            if not self.modes or len(set(self.modes)) < len(self.modes):
+                raise InputError("shaped modes must be one or more, each once, as 1,2")
+            for mode in self.modes:
+                check_count(mode, "shaped mode", most=MOST_MODES)
+
+    @property
+    def words(self) -> str:
+        """The shaper, and that it goes by the path."""
+        along = " along the path" if self.frequencies == "path" else ""
+        return f"{self.kind.upper()} shaper{along}"
 
 
 def check_shapeable(drive: Drive) -> None:
