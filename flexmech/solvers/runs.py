@@ -114,11 +114,12 @@ class LinkageDynamics:
         ends, fields, moments = [], [], []
         acting = linkage.connectors.acting(time, motion, elastic, unit, coordinates[0], whole)
         pushed_shapes, pushed_fields, pushed_power, work = acting
-        for number, (inertia, link, stress) in enumerate(
-            zip(self._inertias, moving, linkage.stress.at(time), strict=True)
+        stresses = zip(linkage.stress.at(time), linkage.stress.rate(time), strict=True)
+        for number, (inertia, link, (stress, changing)) in enumerate(
+            zip(self._inertias, moving, stresses, strict=True)
         ):
             damping = stress.damping_force(link.rate)
-            inner, strain, prestress = stress.of(link.displacement)
+            inner, strain = stress.force(link.displacement), stress.potential(link.displacement)
             if linkage.stretch is not None:
                 second = linkage.stretch.links[number]
                 pulled, damped = second.nonlinear_forces(link.displacement, link.rate)
@@ -146,7 +147,7 @@ class LinkageDynamics:
                     strain,
                     weight,
                     row_products(link.rate, damping),
-                    prestress,
+                    changing.potential(link.displacement),
                 ]
             )
         torque, kinetic, strain, weight, dissipated, prestress = totals

@@ -2,8 +2,7 @@
 
 Tangent stiffness and prestress forces are smooth functions of the crank angle. They are
 computed at a number of positions and interpolated by cubic splines: a time step every few
-hundredths of a degree then needs no equilibrium. They are sums of few distributions
-(:class:`LinkStress`), of which only the amplitudes are interpolated.
+hundredths of a degree then needs no equilibrium.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, row_products
 from flexmech.linkages import Drive, RigidMotion
 from flexmech.mechanics import (
     Engine,
@@ -28,22 +27,20 @@ from flexmech.mechanics import (
 SAMPLES_PER_TURN = 120
 # Fewest positions from one corner of a law to the next.
 LEAST_OF_A_PIECE = 30
-# What the distributions of stress leave out, relative to the greatest: some fifty times the unit
-# round-off of the values that they are made of. At 1e-6 deflections change by 1e-5 of their peak.
-LEFT_OUT = 1e-14
 
 
 @dataclass(frozen=True)
-class StressShapes:
-    """Distributions of stress in one reduced link, r of them.
+class LinkStress:
+    """Internal force ``prestress + stiffness @ p`` of one link at m instants.
 
     Parameters
     ----------
-    stiffness : ndarray, shape (r, n, n)
-    prestress : ndarray, shape (r, n)
-    offset : ndarray, shape (r,)
+    stiffness : ndarray, shape (m, n, n), or (n, n) of straight links
+    prestress : ndarray, shape (m, n)
+        Internal force at zero coordinates.
+    offset : ndarray, shape (m,)
         Energy that does not depend on the coordinates.
-    damping : ndarray, shape (r, n, n), or (n, n) of damping that does not vary
+    damping : ndarray, shape (m, n, n), or (n, n) of damping that does not vary
     """
 
     stiffness: FloatArray
@@ -51,71 +48,72 @@ class StressShapes:
     offset: FloatArray
     damping: FloatArray
 
+    def force(self, displacement: FloatArray) -> FloatArray:
+        """Internal force (m, n) at displacements of shape (m, n)."""
+        return self.prestress + _products(self.stiffness, displacement)
 
-@dataclass(frozen=True)
-class LinkStress:
-    """Internal force ``prestress + stiffness @ p`` of one link at m instants, and its rate.
-
-    Its potential is ``offset + prestress . p + p . stiffness p / 2``.
-
-    Parameters
-    ----------
-    shapes : StressShapes
-    share, share_rate : ndarray, shape (m, r)
-        Amplitude of each distribution, and its time derivative.
-    """
-
-    shapes: StressShapes
-    share: FloatArray
-    share_rate: FloatArray
-
-    @property
-    def stiffness(self) -> FloatArray:
-        """Stiffness matrix, (m, n, n)."""
-        return np.tensordot(self.share, self.shapes.stiffness, 1)
-
-    @property
-    def prestress(self) -> FloatArray:
-        """Internal force at zero coordinates, (m, n)."""
-        return np.asarray(self.share @ self.shapes.prestress)
-
-    @property
-    def damping(self) -> FloatArray:
-        """Damping matrix, (n, n), or (m, n, n) where it varies."""
-        damping = self.shapes.damping
-        return damping if damping.ndim == 2 else np.tensordot(self.share, damping, 1)
-
-    def of(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Internal force, potential, and power by the change of the stress alone.
-
-        Parameters
-        ----------
-        displacement : ndarray, shape (m, n)
-
-        Returns
-        -------
-        tuple of ndarray, shape (m, n), (m,) and (m,)
-        """
-        shapes = self.shapes
-        pulled = _times_each(displacement, shapes.stiffness)
-        work = np.einsum("mrn,mn->mr", pulled, displacement) / 2
-        work += displacement @ shapes.prestress.T + shapes.offset
-        force = self.prestress + np.einsum("mr,mrn->mn", self.share, pulled)
-        potential, power = (np.einsum("mr,mr->m", s, work) for s in (self.share, self.share_rate))
-        return force, potential, power
+    def potential(self, displacement: FloatArray) -> FloatArray:
+        """Potential ``offset + prestress . p + p . stiffness p / 2`` at displacements, (m,)."""
+        mean = self.prestress + _products(self.stiffness, displacement) / 2
+        return self.offset + row_products(mean, displacement)
 
     def damping_force(self, rate: FloatArray) -> FloatArray:
         """Force of damping at rates of shape (m, n), (m, n)."""
-        damping = self.shapes.damping
-        if damping.ndim == 2:
-            return np.asarray(rate @ damping)
-        return np.asarray(np.einsum("mr,mrn->mn", self.share, _times_each(rate, damping)))
+        return _products(self.damping, rate)
 
 
-def _times_each(vectors: FloatArray, matrices: FloatArray) -> FloatArray:
-    """Vectors (m, n) times each of r symmetric matrices (r, n, n); (m, r, n)."""
-    side_by_side = np.moveaxis(matrices, 0, 1).reshape(matrices.shape[1], -1)
-    return np.asarray(vectors @ side_by_side).reshape(len(vectors), *matrices.shape[:2])
+def _products(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Symmetric matrices (m, n, n) or (n, n) times vectors (m, n)."""
+    if matrices.ndim == 2:
+        return np.asarray(vectors @ matrices)
+    return np.asarray((matrices @ vectors[..., None])[..., 0])
+
+
+class _Interpolated:
+    """A quantity along the motion by cubic splines through samples.
+
+    Parameters
+    ----------
+    drive : Drive
+    angles : ndarray, shape (a,)
+        Crank angles of a turn at which it is sampled; empty where the crank does not turn on.
+    times : sequence of ndarray, shape (k,)
+        Times of the samples along a law, from each corner to the next.
+    values : ndarray, shape (a + b, ...)
+        Samples along the turn and those along the law.
+    """
+
+    def __init__(
+        self, drive: Drive, angles: FloatArray, times: Sequence[FloatArray], values: FloatArray
+    ) -> None:
+        self._drive = drive
+        turn, law = np.split(values, [len(angles)])
+        self._turn = self._law = None
+        if len(turn):
+            # The last position of a turn is the first.
+            turn[-1] = turn[0]
+            self._turn = scipy.interpolate.CubicSpline(angles, turn, bc_type="periodic")
+        if times:
+            self._law = _joined(times, law)
+
+    def at(self, time: FloatArray, order: int = 0) -> FloatArray:
+        """Values (m, ...) at times of shape (m,), or their derivatives by time."""
+        drive, on_law = self._drive, np.ones(len(time), dtype=bool)
+        values = None
+        if self._turn is not None:
+            turned = drive.crank_angle(time) - drive.start_angle
+            phase = drive.start_angle + np.mod(turned, 2 * np.pi)
+            values = drive.speed**order * self._turn(phase, order)
+            on_law = time < drive.law_time
+        if self._law is not None and on_law.any():
+            # A crank that does not turn on stands after the law, or has come to its end.
+            along = self._law(np.minimum(time[on_law], drive.law_time), order)
+            if order:
+                along[time[on_law] >= drive.law_time] = 0.0
+            if values is None:
+                return np.asarray(along)
+            values[on_law] = along
+        return np.asarray(values)
 
 
 class StressHistory:
@@ -163,77 +161,52 @@ class StressHistory:
         self._damping = [
             basis.T @ link.damping @ basis for link, basis in zip(links, bases, strict=True)
         ]
-        self._guide_stiffness: FloatArray | None = None
-        self._turn: scipy.interpolate.CubicSpline | None = None
-        self._rise: scipy.interpolate.PPoly | None = None
+        self._straight, self._histories = None, []
         if prestress == "none" and not engine.mechanism.is_free_strained:
             pairs = zip(links, bases, strict=True)
-            straight = [basis.T @ link.stiffness @ basis for link, basis in pairs]
-            self._shapes = [
-                StressShapes(k[None], np.zeros((1, len(k))), np.zeros(1), damping)
-                for k, damping in zip(straight, self._damping, strict=True)
-            ]
+            self._straight = [basis.T @ link.stiffness @ basis for link, basis in pairs]
             return
-        sampled = []
-        angles = drive.start_angle + np.linspace(0.0, 2 * np.pi, SAMPLES_PER_TURN + 1)
+        sampled, angles = [], np.zeros(0)
         if drive.turns_on:
+            angles = drive.start_angle + np.linspace(0.0, 2 * np.pi, SAMPLES_PER_TURN + 1)
             sampled.append(self._sampled(angles, angles, drive.speed, 0.0))
-        rises = [] if drive.is_constant and drive.turns_on else _sampled_times(drive)
-        if rises:
-            time = np.concatenate([*(rise[:-1] for rise in rises), rises[-1][-1:]])
+        times = [] if drive.is_constant and drive.turns_on else _sampled_times(drive)
+        if times:
+            time = np.concatenate([*(piece[:-1] for piece in times), times[-1][-1:]])
             motion = (
                 drive.crank_angle(time),
                 drive.crank_speed(time),
                 drive.crank_acceleration(time),
             )
             sampled.append(self._sampled(time, *motion))
-        share, shapes = _low_rank_factors([np.concatenate(x) for x in zip(*sampled, strict=True)])
-        *of_links, self._guide_stiffness = shapes
-        count = len(of_links) // len(links)
-        self._shapes = [
-            StressShapes(*(*of_links[count * number :][:count], damping)[:4])
-            for number, damping in enumerate(self._damping)
-        ]
-        if drive.turns_on:
-            turn = share[: len(angles)]
-            # The last position of a turn is the first.
-            turn[-1] = turn[0]
-            self._turn = scipy.interpolate.CubicSpline(angles, turn, bc_type="periodic")
-            share = share[len(angles) :]
-        if rises:
-            self._rise = _joined(rises, share)
+        values = (np.concatenate(parts) for parts in zip(*sampled, strict=True))
+        self._histories = [_Interpolated(drive, angles, times, x) for x in values]
 
     def at(self, time: FloatArray) -> list[LinkStress]:
         """Stress of each link at times of shape (m,)."""
-        share, rate = self._shares(time)
-        return [LinkStress(shapes, share, rate) for shapes in self._shapes]
+        return self._of_links(time, order=0)
+
+    def rate(self, time: FloatArray) -> list[LinkStress]:
+        """Time derivative of the stress of each link, whose potential is the power by it alone."""
+        return self._of_links(time, order=1)
+
+    def _of_links(self, time: FloatArray, order: int) -> list[LinkStress]:
+        if self._straight is not None:
+            none = np.zeros(len(time))
+            return [
+                LinkStress(0.0**order * k, np.zeros((len(time), len(k))), none, damping)
+                for k, damping in zip(self._straight, self._damping, strict=True)
+            ]
+        values = [history.at(time, order) for history in self._histories[:-1]]
+        count = len(values) // len(self._links)
+        return [
+            LinkStress(*(*values[count * number :][:count], damping)[:4])
+            for number, damping in enumerate(self._damping)
+        ]
 
     def guide_stiffness(self, time: FloatArray) -> FloatArray | None:
         """Geometric stiffness between guides and slides at times of shape (m,), (m, n_sliders)."""
-        if self._guide_stiffness is None or not self._guide_stiffness.any():
-            return None
-        return np.asarray(self._shares(time)[0] @ self._guide_stiffness)
-
-    def _shares(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Amplitudes of the distributions of stress, and their rates, (m, r)."""
-        drive = self._drive
-        if self._turn is None and self._rise is None:
-            return np.ones((len(time), 1)), np.zeros((len(time), 1))
-        rising = np.ones(len(time), dtype=bool)
-        if self._turn is not None:
-            turned = drive.crank_angle(time) - drive.start_angle
-            phase = drive.start_angle + np.mod(turned, 2 * np.pi)
-            share, rate = self._turn(phase), drive.speed * self._turn(phase, 1)
-            rising = time < drive.law_time
-        if self._rise is not None and rising.any():
-            # A crank that does not turn on stands after the law, or has come to its end.
-            inside = np.minimum(time[rising], drive.law_time)
-            own, own_rate = self._rise(inside), self._rise(inside, 1)
-            own_rate[time[rising] >= drive.law_time] = 0.0
-            if self._turn is None:
-                return own, own_rate
-            share[rising], rate[rising] = own, own_rate
-        return share, rate
+        return None if self._straight is not None else self._histories[-1].at(time)
 
     def _sampled(
         self,
@@ -384,26 +357,3 @@ def _joined(times: Sequence[FloatArray], values: FloatArray) -> scipy.interpolat
     places = [spline.x[:-1] for spline in splines]
     coefficients = np.concatenate([spline.c for spline in splines], axis=1)
     return scipy.interpolate.PPoly(coefficients, np.concatenate([*places, splines[-1].x[-1:]]))
-
-
-def _low_rank_factors(values: Sequence[FloatArray]) -> tuple[FloatArray, list[FloatArray]]:
-    """Low-rank factors of arrays (k, ...): amplitudes (k, r) and distributions (r, ...).
-
-    Gram-Schmidt orthogonalization that takes the greatest remainder first, each array measured by
-    its greatest value.
-    """
-    flat = [part.reshape(len(part), -1) for part in values]
-    widths = [part.shape[1] for part in flat]
-    scale = np.repeat([np.abs(part).max(initial=0.0) or 1.0 for part in flat], widths)
-    rest, shares, shapes = np.concatenate(flat, axis=1) / scale, [], []
-    least = LEFT_OUT * np.linalg.norm(rest, axis=1).max()
-    while (size := np.linalg.norm(rest, axis=1)).max() > least:
-        shape = rest[size.argmax()] / size.max()
-        share = rest @ shape
-        rest -= share[:, None] * shape
-        shares.append(share)
-        shapes.append(shape * scale)
-    parts = np.split(np.array(shapes), np.cumsum(widths)[:-1], axis=1)
-    pairs = zip(parts, values, strict=True)
-    shaped = [np.ascontiguousarray(x).reshape(len(x), *whole.shape[1:]) for x, whole in pairs]
-    return np.stack(shares, axis=1), shaped
