@@ -55,6 +55,7 @@ class OutputTable(base.Table):
     orders: list[int] | None = base.optional("Multiples of the crank speed to keep away from")
     link: base.Text | None = base.optional("Of deflection, strain and stress")
     joint: base.Text | None = base.optional("Of joint forces")
+    point: base.Text | None = base.optional("Of deviations from the path")
     prestress: Prestress = Field(default="equilibrium", description="Of frequencies")
     angles: int = Field(default=36, ge=4, description="Crank angles over a turn")
     points: list[tuple[si.Distance, si.Distance]] | None = base.optional(
