@@ -74,6 +74,7 @@ def test_paths_are_those_of_rigid_links_and_the_deviation(run: flexmech.Response
     assert most["name"] == "peak_path_deviation"
     assert most["value"] == pytest.approx(1e3 * table["deviation_m"].max(), rel=1e-3)
     assert 0 < most["error"] < 0.02 * most["value"]
+    assert "paths: in ground axes" in run.summary().details
     (said,) = (line for line in run.summary().answer if "path" in line)
     assert said.startswith("Coupler body 1 leaves its path on rigid links by up to 1.2")
 
