@@ -204,24 +204,7 @@ class DisplacedLinks:
 
     def _displaced(self, link: int, place: FloatArray) -> tuple[ComplexArray, FloatArray]:
         """Places on the axis where those at (k,) are displaced to, and rotation there, (B, k)."""
-        model, q = self.links[link], self.displacement[link]
-        if model.rigid:
-            turned = np.broadcast_to(q[:, 2, None], (len(q), len(place)))
-            return place * np.exp(1j * turned) + q[:, [0]] + 1j * q[:, [1]], turned
-        q = model.readings.with_slope_vectors(q)
-        rows = self._rows(link, place)
-        moved, turned = _read(rows, q)
-        if model.readings.slope in model.vectors[1]:
-            # Of a slope vector, which is of unit length but for the strain.
-            return place + moved, np.arcsin(np.clip(turned, -1.0, 1.0))
-        return _with_finite_chords(model.readings, place, rows, q)
-
-    def _rows(self, link: int, place: FloatArray) -> FloatArray:
-        """Displacement and rotation (k, 3, n) at places (k,) by a link's coordinates."""
-        readings = self.links[link].readings
-        fraction = place / readings.nodes[-1]
-        turned = readings.rotations_at(fraction)[:, None]
-        return np.concatenate([readings.displacement_at(fraction), turned], axis=1)
+        return displaced_axis(self.links[link], self.displacement[link], place)
 
     def _in_frame(self, link: int, vectors: FloatArray) -> ComplexArray:
         """Vectors (B, 2) in ground axes, in the link's frame; (B, 1)."""
@@ -277,7 +260,7 @@ class DisplacedLinks:
         at = carried = axis + lever
         felt, gained = self._in_frame(link, pull), change
         if self.rate is not None and self.acceleration is not None:
-            rows = self._rows(link, place)
+            rows = _rows_at(self.links[link], place)
             speed, spin = _read(rows, self.rate[link])
             gain, spin_gain = _read(rows, self.acceleration[link])
             felt = felt + gain + (1j * spin_gain - spin**2) * lever
@@ -343,6 +326,46 @@ class DisplacedLinks:
                 force = self._in_frame(link, on_link[:, :2])
                 forces[link].append(ForcesAlong(place, force, on_link[:, 2:]))
         return forces
+
+
+def displaced_axis(
+    link: LinkModel, displacement: FloatArray, place: FloatArray
+) -> tuple[ComplexArray, FloatArray]:
+    """Where places of a link's axis are displaced to, and how far the section there turns.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Unreduced.
+    displacement : ndarray, shape (B, n_link)
+        Displacement of the link, at finite rotations.
+    place : ndarray, shape (k,)
+        From the link's start in m.
+
+    Returns
+    -------
+    ndarray of complex, shape (B, k)
+        In the frame of the link's rigid motion in m: along it, and across it times i.
+    ndarray, shape (B, k)
+        In rad.
+    """
+    q = displacement
+    if link.rigid:
+        turned = np.broadcast_to(q[:, 2, None], (len(q), len(place)))
+        return place * np.exp(1j * turned) + q[:, [0]] + 1j * q[:, [1]], turned
+    q, rows = link.readings.with_slope_vectors(q), _rows_at(link, place)
+    moved, turned = _read(rows, q)
+    if link.readings.slope in link.vectors[1]:
+        # Of a slope vector, which is of unit length but for the strain.
+        return place + moved, np.arcsin(np.clip(turned, -1.0, 1.0))
+    return _with_finite_chords(link.readings, place, rows, q)
+
+
+def _rows_at(link: LinkModel, place: FloatArray) -> FloatArray:
+    """Displacement and rotation (k, 3, n) at places (k,) by a link's coordinates."""
+    fraction = place / link.readings.nodes[-1]
+    turned = link.readings.rotations_at(fraction)[:, None]
+    return np.concatenate([link.readings.displacement_at(fraction), turned], axis=1)
 
 
 def _read(rows: FloatArray, q: FloatArray) -> tuple[ComplexArray, FloatArray]:

@@ -38,6 +38,7 @@ from .layout import Sheet as Sheet
 from .layout import grid as grid
 from .layout import sheet as sheet
 from .mechanism import plot_mechanism as plot_mechanism
+from .paths import plot_paths as plot_paths
 from .reading import chosen as chosen
 from .reading import mode_label as mode_label
 from .reading import speed_label as speed_label
@@ -54,6 +55,7 @@ from .shaking import plot_balance as plot_balance
 from .shaking import plot_running_shaking_force as plot_running_shaking_force
 from .shaking import plot_shaking_force as plot_shaking_force
 from .shaking import plot_shaking_orders as plot_shaking_orders
+from .sizing import plot_motor_plane as plot_motor_plane
 from .spectra import plot_spectrum as plot_spectrum
 from .stability import plot_floquet_frequencies as plot_floquet_frequencies
 from .stability import plot_stability as plot_stability

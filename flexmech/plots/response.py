@@ -113,15 +113,14 @@ def engine_panes(
 
 
 def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw the driving torque and the pin forces against time, with those of rigid links.
+    """Draw the driving torque and the joint forces against time, with those of rigid links.
 
     Under a law of motion the driving power stands below the torque.
 
-    Forces are those of the pins between links, or of the clamped joint where there is no
-    pin, as far as the run's band lets them through: what the links vibrate along themselves
-    is too fast to be told apart. Of each the magnitude and both components are drawn, of more
-    than two joints the magnitudes alone, so that a page holds them. Beside them those of rigid
-    links (dark grey).
+    Forces are those of all joints, bearings included, as far as the run's band lets them through:
+    what the links vibrate along themselves is too fast to be told apart. Of each the magnitude and
+    both components are drawn, of more than two joints the magnitudes alone, so that a page holds
+    them. Beside them those of rigid links (dark grey).
 
     Parameters
     ----------
@@ -134,13 +133,11 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    pins = dataset.isel(joint=np.flatnonzero(dataset["joint_kind"].values == "pin"))
-    shown = pins if pins.sizes["joint"] else dataset
     components = reading.names_of(dataset, "component")
     of_shaft = 1 + ("driving_power" in dataset)
-    if of_shaft + shown.sizes["joint"] * (1 + len(components)) > MOST_FORCE_PANELS:
+    if of_shaft + dataset.sizes["joint"] * (1 + len(components)) > MOST_FORCE_PANELS:
         components = []
-    return draw(forces_picture(shown, components), ax=ax)
+    return draw(forces_picture(dataset, components), ax=ax)
 
 
 def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Picture:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from flexmech.analyses.frequencies.extremes import Extremes
 from flexmech.analyses.frequencies.positions import frequency_extremes
@@ -61,7 +63,7 @@ class Design:
     varied_speed: float | None = None
     _wanted: dict[FrequencyNeeds, ExtremesWanted] = field(default_factory=dict, repr=False)
     _maps: dict[FrequencyNeeds, Extremes] = field(default_factory=dict, repr=False)
-    _runs: dict[float, object] = field(default_factory=dict, repr=False)
+    _runs: dict[float, xr.Dataset] = field(default_factory=dict, repr=False)
     _after_stop: dict[int, FloatArray] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -123,8 +125,8 @@ class Design:
         """
         return self.mechanism.inverse_dynamics(self.mechanism.linkage.motion(crank_angle, speed))
 
-    def peak(self, name: str, speed: float, link: str | None) -> float:
-        """Greatest peak of the periodic motion, of a link or of all.
+    def peak(self, name: str, speed: float, of: str | None) -> float:
+        """Greatest peak of the periodic motion, of a link or a point, or of all.
 
         Parameters
         ----------
@@ -132,7 +134,7 @@ class Design:
             Name of the variable of the response's peaks.
         speed : float
             In rad/s.
-        link : str or None
+        of : str or None
 
         Returns
         -------
@@ -142,13 +144,16 @@ class Design:
         Raises
         ------
         InputError
-            If there is no such link.
+            If there is no such link or point.
         """
         if speed not in self._runs:
             self._runs[speed] = response(self.engine, speed, 1.0, start="periodic").peaks()
-        peaks = self._runs[speed][name].isel(engine=0)  # type: ignore[index]
-        if link is not None:
-            peaks = peaks.isel(link=self._place(link))
+        if name not in self._runs[speed]:
+            raise InputError(f"{name} needs a point that moves, and this mechanism has none")
+        peaks = self._runs[speed][name].isel(engine=0)
+        if of is not None:
+            (dim,) = map(str, peaks.dims)
+            peaks = peaks[_place(dim, of, peaks[dim].values.tolist())]
         return float(abs(peaks).max())
 
     def residual_amplitude(self, mode: int, link: str | None) -> float:
@@ -184,14 +189,16 @@ class Design:
             most = found.shape[1]
             raise InputError(f"mode {mode}: the linkage has {most} modes; take a lower one")
         of_links = found[:, mode - 1]
-        return float(of_links.max() if link is None else of_links[self._place(link)])
+        if link is None:
+            return float(of_links.max())
+        return float(of_links[_place("link", link, self.mechanism.linkage.topology.link_names)])
 
-    def _place(self, link: str) -> int:
-        """Place of a link among those of the mechanism; refuses a name that is none."""
-        known = self.mechanism.linkage.topology.link_names
-        if link not in known:
-            raise InputError(f"there is no link {link!r}; {suggestion(link, list(known))}")
-        return known.index(link)
+
+def _place(kind: str, name: str, known: Sequence[str]) -> int:
+    """Place of a name among those of links or points; refuses one that is none."""
+    if name not in known:
+        raise InputError(f"there is no {kind} {name!r}; {suggestion(name, list(known))}")
+    return known.index(name)
 
 
 def every_extreme(modes: int) -> ExtremesWanted:

@@ -205,6 +205,7 @@ Quantity = Literal[
     "peak_deflection",
     "peak_strain",
     "peak_stress",
+    "path_deviation",
     "residual_amplitude",
     "strain_energy_damping",
     "largest_multiplier",
@@ -219,6 +220,7 @@ COSTLY = (
     "peak_deflection",
     "peak_strain",
     "peak_stress",
+    "path_deviation",
     "residual_amplitude",
     "strain_energy_damping",
     "largest_multiplier",
@@ -263,9 +265,10 @@ class Output:
         Mode of frequencies, damping and residual vibration; the lowest is 1.
     orders : tuple of int
         Multiples of the crank speed that ``order_margin`` keeps away from.
-    link, joint : str, optional
-        Where deflection, strain, stress, residual vibration and joint force are taken; the
-        greatest of all if left out.
+    link, joint, point : str, optional
+        Where deflection, strain, stress and residual vibration, joint force, and the deviation from
+        the path are taken; the greatest of all if left out. A point is a joint, ``"coupler point"``
+        or a body of a link, as ``"coupler body 1"``.
     prestress : {"none", "axial", "equilibrium"}
         Prestress of frequencies.
     angles : int
@@ -291,6 +294,7 @@ class Output:
     orders: tuple[int, ...] = (1, 2, 3, 4, 5, 6)
     link: str | None = None
     joint: str | None = None
+    point: str | None = None
     prestress: Prestress = "equilibrium"
     angles: int = 36
     points: tuple[tuple[float, float], ...] = ()
@@ -369,6 +373,10 @@ def _frequencies(design: Design, output: Output) -> Extremes:
 
 def _peak(name: str) -> Callable[[Design, Output], float]:
     return lambda design, output: design.peak(name, output.speed_of(design), output.link)
+
+
+def _deviation(design: Design, output: Output) -> float:
+    return design.peak("path_deviation", output.speed_of(design), output.point)
 
 
 def _residual(design: Design, output: Output) -> float:
@@ -456,6 +464,7 @@ KINDS: Mapping[str, Kind] = {
     "peak_deflection": Kind(LENGTH, "peak deflection", _peak("deflection")),
     "peak_strain": Kind(RATIO, "peak strain", _peak("strain")),
     "peak_stress": Kind(STRESS, "peak normal stress", _peak("stress")),
+    "path_deviation": Kind(LENGTH, "deviation from the path on rigid links", _deviation),
     "residual_amplitude": Kind(LENGTH, "amplitude of a mode after the stop", _residual),
     "strain_energy_damping": Kind(RATIO, "least damping ratio by strain energy", _damping),
     "largest_multiplier": Kind(RATIO, "greatest Floquet multiplier", _multiplier),

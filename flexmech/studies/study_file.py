@@ -57,6 +57,7 @@ class OutputTable(base.Table):
     orders: list[int] | None = base.optional("Multiples of the crank speed to keep away from")
     link: base.Text | None = base.optional("Link of deflection, strain and stress")
     joint: base.Text | None = base.optional("Joint of joint forces")
+    point: base.Text | None = base.optional("Point of deviations from the path")
     prestress: Prestress = Field(default="equilibrium", description="Prestress of frequencies")
     angles: int = Field(default=36, ge=4, description="Crank angles over a turn")
     points: list[tuple[si.Distance, si.Distance]] | None = base.optional(

@@ -29,6 +29,7 @@ COLUMNS = {
     "shaking_harmonics": "order shaking_force_x_amplitude_N shaking_force_y_amplitude_N "
     "shaking_force_x_phase_deg shaking_force_y_phase_deg shaking_force_greatest_N "
     "shaking_moment_amplitude_Nm shaking_moment_phase_deg",
+    "sizing": "quantity of value unit",
     "forces_lumped": "crank_angle_deg joint of on x_N y_N moment_Nm",
     "drive_lumped": "crank_angle_deg torque_Nm power_W",
     "lumped_masses": "crank_angle_deg link position_m mass_kg ax_m_s2 ay_m_s2 "
@@ -52,7 +53,7 @@ def test_tables_have_their_columns_and_hold_the_result(journey: Journey) -> None
         if columns:
             assert " ".join(rows[name]) == columns
     lengths = [len(next(iter(table.values()))) for name, table in rows.items() if name != "motion"]
-    assert lengths == [39, 52, 13, 13, 11, 52, 13, 156]
+    assert lengths == [39, 52, 13, 13, 11, 12, 52, 13, 156]
     assert (rows["forces"]["joint"][0], rows["forces"]["on"][0]) == ("O2", "crank")
     data = journey.result().dataset
     mechanism = flexmech.load_mechanism(MODELS / "aluminium_fourbar.toml")

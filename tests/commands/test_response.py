@@ -19,7 +19,8 @@ ONE = ("--engine", "reference", *SHORT)
 COLUMNS = (
     "engine,time_s,crank_angle_deg,coupler_mid_deflection_m,rocker_mid_deflection_m,"
     "crank_tip_deflection_m,coupler_mid_strain,rocker_mid_strain,driving_torque_Nm,"
-    "pin_A_x_N,pin_A_y_N,pin_B_x_N,pin_B_y_N,shaking_force_x_N,shaking_force_y_N,shaking_moment_Nm"
+    "pin_A_x_N,pin_A_y_N,pin_B_x_N,pin_B_y_N,bearing_O2_x_N,bearing_O2_y_N,bearing_O4_x_N,"
+    "bearing_O4_y_N,shaking_force_x_N,shaking_force_y_N,shaking_moment_Nm"
 )
 PROBES = {
     "crank": "crank_tip_deflection_m",
@@ -78,7 +79,13 @@ def test_forces_and_torque_are_those_of_the_curves(journey):
 
 
 def test_files_hold_what_was_printed_and_load_back(journey):
-    assert journey.ended.files == ["response.csv", "response.nc", "summary.txt"]
+    assert journey.ended.files == [
+        "paths.csv",
+        "response.csv",
+        "response.nc",
+        "sizing.csv",
+        "summary.txt",
+    ]
     data = journey.result().dataset
     lines = journey.said["details"]["lines"]
     (drift,) = (one for one in lines if one.startswith("constraint drift"))
@@ -128,15 +135,17 @@ def test_a_clamped_link_alone_has_no_pins(command):
     assert ",".join(ended.table("response")) == (
         "engine,time_s,crank_angle_deg,arm_tip_deflection_m,driving_torque_Nm,"
         "crank_speed_rad_s,crank_acceleration_rad_s2,driving_power_W,"
+        "bearing_O2_x_N,bearing_O2_y_N,"
         "shaking_force_x_N,shaking_force_y_N,shaking_moment_Nm"
     )
 
 
 def test_pictures_and_animations_are_those_asked_for(command, rough_pictures):
     words = ("--speed", "20", "--engine", "reference", *SHORT[:-1])
-    pictures = ["forces.png", "response.png", "running_shaking_force.png", "spectrum.png"]
     ended = command("response", ALUMINIUM, *words)
-    assert [name for name in ended.files if name.endswith(".png")] == pictures
+    drawn = [name.removesuffix(".png") for name in ended.files if name.endswith(".png")]
+    first = ["forces", "motor_plane", "paths", "response"]
+    assert drawn == [*first, "running_shaking_force", "spectrum"]
 
 
 @pytest.mark.thorough

@@ -11,6 +11,7 @@ import xarray as xr
 from flexmech.analyses.aspects.law import law_attributes, law_values
 from flexmech.analyses.aspects.motor import motor_attributes, motor_values, settled_values
 from flexmech.analyses.aspects.shaking import harmonic_values, shaft_torque, shaking_of
+from flexmech.analyses.aspects.sizing import Driven, sizing_values
 from flexmech.analyses.check.remarks import turns_fully
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.extremes import is_whole
@@ -36,10 +37,11 @@ from flexmech.linkages import (
     RigidMotion,
     continuous_angles,
 )
+from flexmech.linkages.frame_forces import ShakingForce
 from flexmech.mechanics import Engine, checked_mechanism
 from flexmech.mechanism import Mechanism, with_motor_run
 
-# Steps of a turn whose harmonics are given: orders alias into them from those beyond 700
+# Steps of a turn whose harmonics and means are given: orders alias into them from those beyond 700
 # alone.
 _HARMONIC_STEPS = 720
 # Of a move with its dwell, or of a turn after a run-up; and of a whole law.
@@ -104,7 +106,9 @@ def kinematics(mechanism: Mechanism | Engine, request: KinematicsRequest) -> Kin
         values = {name: one for name, one in values.items() if not name.startswith("mean_")}
         attributes["crank_acceleration"] = float(request.crank_acceleration)
         attributes["shaft_inertia_torque"] = float(shaft)
-    values |= _harmonics(mechanism, at, request)
+    values |= _over_steps(mechanism, at, request, speed)
+    turns = is_whole(float(np.ptp(request.crank_angles)))
+    attributes["sizing_over"] = "the turn" if turns else "the crank angles asked for"
     attributes["warning"] = _on_turning(mechanism, request)
     return Kinematics(SCHEMA.dataset(values).assign_attrs(attributes))
 
@@ -123,7 +127,8 @@ def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -
     steps = int(min(np.ceil(round(_STEPS_OF_A_CYCLE * cycles, 6)), _MOST_STEPS))
     time = drive.run_time(1.0) / steps * np.arange(steps + 1.0)
     point, step = request.moment_point, float(time[-1] - time[0]) / _PARTS_OF_A_RUN
-    values = _values(mechanism, *at(time), request, on_shaft(time))
+    forces, lumped = at(time)
+    values = _values(mechanism, forces, lumped, request, on_shaft(time))
     values |= extreme_values(mechanism, at, time, point, on_shaft, step=step)
     for name in ("least", "greatest"):
         values[f"{name}_time"] = values[f"{name}_angle"]
@@ -131,10 +136,15 @@ def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -
     values |= {"time": time, **law_values(drive, time, mechanism.shaft_inertia)}
     attributes = _attributes(mechanism, request) | law_attributes(drive)
     attributes["run_up_time"] = drive.law_time
+    attributes["sizing_over"] = "the run"
+    torque = forces.driving_torque + mechanism.shaft_inertia * drive.crank_acceleration(time)
+    driven = [Driven("shaft", torque, drive.crank_speed(time))]
     if isinstance(drive, MotorRun):
         values |= motor_values(drive, drive.motor_output(time), drive.rotor_speed(time))
+        driven.append(Driven("motor", values["motor_torque"], values["motor_speed"]))
         values |= settled_values(drive, mechanism)
         attributes |= motor_attributes(drive)
+    values |= sizing_values(time, driven, forces.joint_force, drive)
     return SCHEMA.dataset(values, "time").assign_attrs(attributes)
 
 
@@ -148,18 +158,32 @@ def _forces(
     return forces, mechanism.inverse_dynamics(motion, time, elements)
 
 
-def _harmonics(mechanism: Mechanism, at: Forces, request: KinematicsRequest) -> Values:
-    """Harmonics of the shaking force; nothing where the angles are no whole turns of one run."""
+def _over_steps(
+    mechanism: Mechanism, at: Forces, request: KinematicsRequest, speed: float
+) -> Values:
+    """What sizes motor and bearings, and over whole turns harmonics of the shaking force.
+
+    Over one turn, or from the first crank angle to the last; nothing where they are no states of
+    one run.
+    """
     first, last = request.crank_angles[[0, -1]].tolist()
-    if not is_whole(last - first) or request.crank_acceleration:
+    whole = is_whole(last - first)
+    if request.crank_acceleration or first == last:
         return {}
-    angles = first + 2 * np.pi * np.arange(_HARMONIC_STEPS) / _HARMONIC_STEPS
+    steps = np.arange(_HARMONIC_STEPS + 1) / _HARMONIC_STEPS
+    angles = first + (2 * np.pi if whole else last - first) * steps
     try:
         forces, _ = at(angles)
     except InputError:
         # A dead point that is between the angles asked for.
         return {}
-    return harmonic_values(shaking_of(mechanism, forces, request.moment_point), angles)
+    shaft = Driven("shaft", forces.driving_torque, np.full_like(angles, speed))
+    values = sizing_values(angles, [shaft], forces.joint_force)
+    if whole:
+        found = shaking_of(mechanism, forces, request.moment_point)
+        turn = ShakingForce(found.force[:-1], found.moment[:-1], found.point)
+        values |= harmonic_values(turn, angles[:-1])
+    return values
 
 
 def _on_turning(mechanism: Mechanism, request: KinematicsRequest) -> str:

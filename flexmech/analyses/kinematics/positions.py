@@ -6,7 +6,6 @@ Least and greatest values over a turn or a run, of all quantities that have extr
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -160,29 +159,36 @@ def _acceleration(motion: RigidMotion, link: int, x: float, y: float) -> FloatAr
     )
 
 
-@dataclass(frozen=True)
-class _Point:
-    """A point of a link: number of the link, and place along and across it in m."""
+class LinkPlace(NamedTuple):
+    """A point of a link.
+
+    Parameters
+    ----------
+    link : int
+        Number of the link.
+    x, y : float
+        Along the link from its start, and across it, in m.
+    """
 
     link: int
     x: float
     y: float = 0.0
 
 
-def _points_of(mechanism: Mechanism) -> dict[str, _Point]:
+def points_of(mechanism: Mechanism) -> dict[str, LinkPlace]:
     """Points that move, by name, the coupler point of the model file last."""
     topology = mechanism.linkage.topology
     places = moving_points(mechanism.linkage)
-    found = {name: _Point(*topology.end_place(place)) for name, place in places.items()}
+    found = {name: LinkPlace(*topology.end_place(place)) for name, place in places.items()}
     if (own := mechanism.coupler_point) is not None:
         along, across = own.distance * direction(np.asarray(own.angle))
-        found["coupler point"] = _Point(topology.index("coupler"), float(along), float(across))
+        found["coupler point"] = LinkPlace(topology.index("coupler"), float(along), float(across))
     return found
 
 
 def _of_points(mechanism: Mechanism, motion: RigidMotion) -> Values:
     """Position, velocity and acceleration of points, and of sliders along their lines."""
-    points, found = _points_of(mechanism), Values()
+    points, found = points_of(mechanism), Values()
     kinds = ("position", "velocity", "acceleration")
     if points:
         for kind in kinds:

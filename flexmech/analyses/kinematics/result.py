@@ -12,6 +12,7 @@ from flexmech import plots
 from flexmech.analyses.aspects.law import law_aspect
 from flexmech.analyses.aspects.motor import motor_aspect
 from flexmech.analyses.aspects.shaking import harmonics_line, point_text
+from flexmech.analyses.aspects.sizing import sizing_aspect
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import MOST_DIGITS, Quantity, percent, rounded
 from flexmech.analyses.result import Result
@@ -99,8 +100,8 @@ class Kinematics(Result):
         rigid = Aspect(
             _answer(data, found), extremes, (warning,) if warning else (), _numbers(data, found)
         )
-        aspects = (rigid, _notes(data, found), law_aspect(data), motor_aspect(data))
-        return Summary.of(aspects, _table(data, found), _trust(data), most=_SENTENCES)
+        others = (_notes(data, found), sizing_aspect(data), law_aspect(data), motor_aspect(data))
+        return Summary.of((rigid, *others), _table(data, found), _trust(data), most=_SENTENCES)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import attributes_of, provenance, rigid_positions
+from flexmech.analyses.extremes import peaks_between
 from flexmech.analyses.frequencies.positions import frequencies_at
 from flexmech.analyses.response import measurements
 from flexmech.analyses.response.driven import (
@@ -20,17 +21,18 @@ from flexmech.analyses.response.driven import (
 from flexmech.analyses.response.measurements import (
     WHOLE_PERIODS,
     amplitude_spectrum,
-    peaks_between,
     resolution_note,
     spectrogram,
     window_duration,
 )
+from flexmech.analyses.response.path import path_values, rigid_path
 from flexmech.analyses.response.plan import SPECTRUM_REACH, RunPlan, oscillating, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual_vibration import residual_values
 from flexmech.analyses.response.run import EngineRun, RunError
 from flexmech.analyses.response.shaking import rigid_shaking, running_shaking
-from flexmech.analyses.response.sprung_frame import carried_by_frame, frame_values
+from flexmech.analyses.response.sizes import sizes_of_run
+from flexmech.analyses.response.sprung_frame import carried_along, frame_values
 from flexmech.analyses.response.stresses import peak_stresses
 from flexmech.analyses.schema import Values, schema_of
 from flexmech.arrays import FloatArray, IntArray
@@ -64,14 +66,16 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
     engines, time = [run.engine for run in runs], request.sample_time()
     first, topology = engines[0], engines[0].mechanism.linkage.topology
     motion = request.drive.motion(first.mechanism.linkage, time)
-    duration = _window(first, request, plan.lowest)
+    duration, turns = _window(first, request, plan.lowest), whole_turns(request)
     parts = [
         {
             **_history(run, motion, plan.refinement, request, rotor_torque),
             **_peaks(run, request.drive),
+            **path_values(run.engine, run.trajectory, motion, request.drive, plan.refinement),
             **_spectra(run, request, plan, duration),
             **driven_values(run.trajectory, request, plan.refinement),
             **motor,
+            **sizes_of_run(run.engine, run.trajectory[:: plan.refinement], request, motor, turns),
         }
         for run in runs
         for motor, rotor_torque in [motor_of_run(run.trajectory, request, plan.refinement)]
@@ -92,6 +96,7 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
         "station": np.linspace(0.0, 1.0, parts[0]["displacement"].shape[2]),
         "component": ["x", "y"],
         **_rigid_values(first, motion),
+        **rigid_path(first.mechanism, motion),
         **rigid_shaking(first, motion, request),
         **law_of_run(first, request),
         **_ranges(first, request),
@@ -118,7 +123,8 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
         force_band=plan.band,
         damped=int(any(link.damping.any() for link in first.links)),
         start=request.start,
-        spectrum_turns=whole_turns(request),
+        spectrum_turns=turns,
+        sizing_over="the last turn" if turns else "the run",
     )
 
 
@@ -148,11 +154,7 @@ def _history(
     """What a run measures at the samples asked for, and how far it may be trusted."""
     engine, trajectory = run.engine, run.trajectory[::refinement]
     energy = trajectory.energy
-    carried = motion
-    if trajectory.shaft is not None:
-        turned = motion.crank_angle + trajectory.shaft.rotation
-        carried = engine.mechanism.linkage.motion(turned, motion.crank_speed)
-    carried = carried_by_frame(engine, carried, trajectory)
+    carried = carried_along(engine, motion, trajectory)
     displacement = measurements.ground_displacements(engine, trajectory, carried)
     drift = measurements.constraint_drift(engine, displacement, carried)
     if carried is not motion:
@@ -222,12 +224,12 @@ def add_mesh_errors(dataset: xr.Dataset, errors: Sequence[RunError]) -> None:
     dataset.update(SCHEMA.dataset({}, "time", parts, "engine"))
 
 
-# Errors of each link or joint; those of others are single numbers.
-_OF_EACH = ("deflection", "stress", "force")
+# Errors of each link, joint or point; those of others are single numbers.
+_OF_EACH = ("deflection", "stress", "force", "path")
 
 
 def _errors(cause: str, error: RunError) -> Values:
-    """Errors by one cause: of deflections over link, of forces over joint, and of the torque."""
+    """Errors by one cause: of deflections over link, of forces over joint, of paths over point."""
     return {f"{cause}_error": error.linkage} | {
         f"{cause}_error_of_{name}": values
         if name.removeprefix("peak_") in _OF_EACH

@@ -16,8 +16,8 @@ from flexmech.analyses.aspects.motor import (
     settled_values,
 )
 from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.extremes import peaks_between
 from flexmech.analyses.response.agreement import listed
-from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual_vibration import LEAST_SAMPLES
 from flexmech.analyses.schema import Values

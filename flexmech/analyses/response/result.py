@@ -17,17 +17,20 @@ from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.response import words
 from flexmech.analyses.response.agreement import (
     agreement_line,
+    best_known,
     errors_of,
     force_agreement_lines,
-    frame_gaps,
+    motion_gaps,
     representative,
     within_errors,
 )
 from flexmech.analyses.response.dataset import needed
 from flexmech.analyses.response.driven import shaft_aspect
+from flexmech.analyses.response.path import path_aspect
 from flexmech.analyses.response.residual_vibration import residual_aspect
 from flexmech.analyses.response.shaking import shaking_aspect
 from flexmech.analyses.response.shaping import shaped_aspect
+from flexmech.analyses.response.sizes import running_sizes_aspect
 from flexmech.analyses.response.sprung_frame import frame_aspect
 from flexmech.analyses.response.stresses import stress_aspect
 from flexmech.analyses.result import Result
@@ -43,6 +46,8 @@ if TYPE_CHECKING:
 
 # Beside how far links bend and how well that is known, in the order of the details.
 _ASPECTS = (
+    path_aspect,
+    running_sizes_aspect,
     shaking_aspect,
     frame_aspect,
     law_aspect,
@@ -52,6 +57,8 @@ _ASPECTS = (
     stress_aspect,
     shaft_aspect,
 )
+# In tables that have no column for the engine.
+_KNOWN_BEST = ("point_position", "path_deviation", "sizing_value")
 _ANIMATIONS = ("animation.gif", "animation.mp4")
 
 
@@ -86,11 +93,18 @@ class Response(Result):
             ``deflection``, ``strain`` and ``stress`` over (engine, link), ``driving_torque``
             over (engine), ``joint_force`` over (engine, joint), the crank angles of the first
             and the last in rad as ``deflection_angle`` and ``stress_angle``, and the distance
-            of the stress from the link's start in m as ``stress_place``.
+            of the stress from the link's start in m as ``stress_place``; where points move,
+            ``path_deviation`` and ``path_deviation_angle`` over (engine, point).
         """
         data = self.dataset
+        of_points = {
+            name: data[f"peak_{name}"]
+            for name in ("path_deviation", "path_deviation_angle")
+            if f"peak_{name}" in data
+        }
         return xr.Dataset(
-            {
+            of_points
+            | {
                 "deflection": data["peak_deflection"],
                 "deflection_angle": data["peak_deflection_angle"],
                 "strain": data["peak_strain"],
@@ -129,9 +143,9 @@ class Response(Result):
         -------
         xarray.Dataset or None
             ``joint_force`` over (joint) and ``driving_torque``, of the histories at the
-            samples; ``peak_joint_force`` and ``peak_driving_torque``, of the peaks; of a frame on
-            springs ``frame_displacement``, ``frame_rotation`` and ``floor_force``, of the
-            histories. None with a single engine.
+            samples; ``peak_joint_force`` and ``peak_driving_torque``, of the peaks;
+            ``path_deviation`` over (point); of a frame on springs ``frame_displacement``,
+            ``frame_rotation`` and ``floor_force``, of the histories. None with a single engine.
         """
         data = self.dataset
         if data.sizes["engine"] < 2:
@@ -146,7 +160,7 @@ class Response(Result):
             "peak_joint_force": abs(first["peak_joint_force"] - force) / force,
             "peak_driving_torque": abs(first["peak_driving_torque"] - torque) / torque,
         }
-        return xr.Dataset(parts | frame_gaps(data)).fillna(0.0)
+        return xr.Dataset(parts | motion_gaps(data)).fillna(0.0)
 
     def errors(self) -> xr.Dataset:
         """Estimated errors of each engine by step, component modes and, where checked, mesh.
@@ -214,17 +228,29 @@ class Response(Result):
         )
 
     def tabulated(self) -> xr.Dataset:
-        """The dataset with deflections by where they are read, and forces of pins between links."""
+        """The dataset with deflections by where they are read, and forces by joint.
+
+        Paths and sizes are those of the engine whose errors are the smaller.
+        """
         data = self.dataset
         pinned, clamped = (data.sel(link=data["probe"] == at) for at in ("middle", "tip"))
-        force = data["joint_force"].sel(joint=self.pins).stack(pin=("joint", "component"))
-        names = [f"{joint}_{axis}" for joint, axis in force["pin"].values]
+        names = [*map(str, data["joint"].values)]
+        bearings = [name for name in names if name not in self.pins]
+        best = data.isel(engine=best_known(self.errors()["deflection"]), drop=True)
+        data = data.assign({name: best[name] for name in _KNOWN_BEST if name in best})
         return data.assign(
+            force_of_pin=self._forces(self.pins, "pin"),
+            force_of_bearing=self._forces(bearings, "bearing"),
             deflection_in_middle=_renamed(pinned["deflection"], "pinned"),
             deflection_of_tip=_renamed(clamped["deflection"], "clamped"),
             strain_in_middle=_renamed(pinned["strain"], "pinned"),
-            force_of_pin=force.drop_vars(["pin", "joint", "component"]).assign_coords(pin=names),
         )
+
+    def _forces(self, joints: list[str], dim: str) -> xr.DataArray:
+        """Components of the forces of joints along one dimension, named as in ``"A_x"``."""
+        force = self.dataset["joint_force"].sel(joint=joints).stack({dim: ("joint", "component")})
+        names = [f"{joint}_{axis}" for joint, axis in force[dim].values]
+        return force.drop_vars([dim, "joint", "component"]).assign_coords({dim: names})
 
     @property
     def pins(self) -> list[str]:

@@ -12,8 +12,10 @@ from functools import partial
 
 import numpy as np
 
-from flexmech.analyses.response.measurements import deflections, peaks_between
+from flexmech.analyses.extremes import peaks_between
+from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.response.motor_passes import MotorPasses
+from flexmech.analyses.response.path import path_deviation
 from flexmech.analyses.response.plan import RunPlan
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.sprung_frame import rotation_error
@@ -73,8 +75,8 @@ class RunError:
         what a step is chosen by.
     of : dict of str to ndarray
         ``deflection`` and ``peak_deflection``, ``stress`` and ``peak_stress`` of each link
-        (n_links,), ``force`` and ``peak_force`` of each joint (n_joints,), ``torque`` and
-        ``peak_torque`` (1,).
+        (n_links,), ``force`` and ``peak_force`` of each joint (n_joints,), ``path`` and
+        ``peak_path`` of each point that moves, ``torque`` and ``peak_torque`` (1,).
     """
 
     linkage: float
@@ -167,6 +169,8 @@ def difference_of_runs(
         "force": np.maximum(second.peak_joint_force, nothing),
         "torque": np.maximum(second.peak_driving_torque, nothing * extent),
     }
+    if "path" in after:
+        scales["path"] = np.maximum(after["path"][1], ROUND_OFF * extent)
     if "frame" in after:
         scales["frame"] = np.maximum(after["frame"][1], ROUND_OFF * extent)
     errors: dict[str, FloatArray] = {}
@@ -198,6 +202,9 @@ def _histories(
         "force": (run.joint_force, run.peak_joint_force),
         "torque": (run.driving_torque[:, None, None], np.array([run.peak_driving_torque])),
     }
+    deviation = path_deviation(engine, run, drive.motion(engine.mechanism.linkage, run.time))
+    if deviation.size:
+        found["path"] = deviation, peaks_between(_sizes(deviation), run.time)[0]
     if run.frame is not None:
         moved = run.frame.displacement[:, None, :2]
         found["frame"] = moved, _sizes(moved).max(axis=0)

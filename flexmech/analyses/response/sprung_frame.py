@@ -54,6 +54,25 @@ def carried_by_frame(engine: Engine, motion: RigidMotion, trajectory: Trajectory
     return carried_motion(frame.centre, motion, moved.displacement, moved.rate, change)
 
 
+def carried_along(engine: Engine, motion: RigidMotion, trajectory: Trajectory) -> RigidMotion:
+    """Motion of the rigid linkage in ground axes, by the angles that a free shaft has along a run.
+
+    Parameters
+    ----------
+    engine, motion, trajectory
+        As of :func:`carried_by_frame`.
+
+    Returns
+    -------
+    RigidMotion
+        The same where the shaft turns as prescribed and the frame stands.
+    """
+    if trajectory.shaft is not None:
+        turned = motion.crank_angle + trajectory.shaft.rotation
+        motion = engine.mechanism.linkage.motion(turned, motion.crank_speed)
+    return carried_by_frame(engine, motion, trajectory)
+
+
 def in_axes_of_frame(engine: Engine, motion: RigidMotion, trajectory: Trajectory) -> RigidMotion:
     """Motion whose accelerations and spins are those in ground axes, written in axes of the frame.
 

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.digits import Quantity, plain, rounded
+from flexmech.analyses.extremes import peaks_between
 from flexmech.analyses.response.agreement import peak_quantities
-from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.sprung_frame import carried_by_frame
 from flexmech.analyses.summary import Aspect
 from flexmech.arrays import FloatArray

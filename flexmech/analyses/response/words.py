@@ -20,6 +20,7 @@ from flexmech.analyses.response.agreement import (
     listed,
     peak_quantities,
 )
+from flexmech.analyses.response.path import path_words
 from flexmech.analyses.response.stresses import stress_words
 from flexmech.analyses.summary import EngineDifference, Table, trust_line
 
@@ -203,6 +204,7 @@ _PEAKS = {
     "stress": ("MPa", 1e-6),
     "joint_force": ("N", 1.0),
     "driving_torque": ("N m", 1.0),
+    "path_deviation": ("mm", 1e3),
 }
 
 
@@ -220,7 +222,8 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
     Returns
     -------
     tuple of Quantity
-        ``peak_deflection``, ``peak_stress``, ``peak_joint_force`` and ``peak_driving_torque``.
+        ``peak_deflection``, ``peak_stress``, ``peak_joint_force``, ``peak_driving_torque`` and
+        ``peak_path_deviation``.
     """
     found = (
         one
@@ -254,7 +257,7 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
     tuple of str
     """
     found = numbers(dataset)
-    bent, stress, force, torque = (greatest(found, f"peak_{name}") for name in _PEAKS)
+    bent, stress, force, torque, path = (greatest(found, f"peak_{name}") for name in _PEAKS)
     lines = ["No link bends: all are rigid."]
     if bent is not None:
         angles = dataset["peak_deflection_angle"].sel(link=bent.of).isel(engine=0)
@@ -265,6 +268,8 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
     carried = "" if force is None else f"Joint {force.of} carries up to {force}; "
     needed = "" if torque is None else f"the shaft needs up to {torque}."
     lines.append((carried + needed)[:1].upper() + (carried + needed)[1:])
+    if path is not None:
+        lines.append(path_words(dataset, path))
     decays = dataset.attrs.get("damped", True) or "drive" in dataset.attrs
     if not decays and dataset.attrs.get("start") != "periodic":
         lines.append(
