@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from flexmech.analyses.extremes import peaks_between
 from flexmech.analyses.response.measurements import (
     WHOLE_PERIODS,
     amplitude_spectrum,
-    peaks_between,
     spectrogram,
 )
 from flexmech.dynamical_systems import (
