@@ -11,7 +11,7 @@ from flexmech.plots import angle_panels, scales
 from flexmech.plots.angle_panels import has_many_speeds, speed_colours, speed_lines
 from flexmech.plots.drawing import figure
 from flexmech.plots.layout import grid
-from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles
+from flexmech.plots.picture import Curve, Pane, Picture, Span, over_angles, series
 from flexmech.plots.reading import (
     at_highest_speed,
     degrees,
@@ -23,7 +23,6 @@ from flexmech.plots.reading import (
 )
 from flexmech.plots.style import (
     MID_GREY,
-    SERIES_STYLES,
     Look,
     few_points,
     series_line,
@@ -44,15 +43,13 @@ STATE_LINES: tuple[Look, ...] = (
     {"linestyle": (0.0, (4.0, 1.5)), "linewidth": 1.5},
 )
 
-# Of the engines, where there are several, and the size in points at which they stay apart.
-MARKS, MARK_SIZE = "so^D", 3.6
+# Height of an engine's panel of the effect of vibration in inches.
+EFFECT_HEIGHT = 2.0
 # Narrowest axis of the difference in percent, a hundredth of the errors by the mesh that are usual:
 # below it one would look at these.
 LEAST_DIFFERENCE = 1e-3
 # Relative difference of frequencies that is round-off: some thousand times machine epsilon.
 SAME = 1e-12
-RUNNING: Look = {"lw": 1.1}
-STILL: Look = {"color": "0.2", "ls": (0, (4.0, 2.0)), "lw": 0.9}
 
 # Zero has no place on a logarithmic axis: equal frequencies are drawn at about machine epsilon.
 FLOOR = 1e-16
@@ -195,12 +192,12 @@ def plot_hygrothermal_effect(dataset: xr.Dataset) -> Picture:
 
 @figure
 def plot_vibration_effect(dataset: xr.Dataset) -> Picture:
-    """Draw natural frequencies of the running linkage next to the quasi-static ones.
+    """Draw by how much the running linkage's natural frequencies differ from quasi-static ones.
 
-    For the highest crank speed: a panel a mode with the frequencies about the states that a
-    simulation runs through (solid) and about the quasi-static equilibrium (dashed), and at
-    the bottom their relative difference. Only engines in which the two differ are drawn; in
-    a linear model vibration changes nothing. If none differs, the first engine is drawn.
+    For the highest crank speed: frequencies about the states that a simulation runs through over
+    those about the quasi-static equilibrium, a line a mode. Only engines in which the two differ
+    are drawn, one panel each; in a linear model vibration changes nothing. If none differs, the
+    first engine is drawn.
 
     Parameters
     ----------
@@ -208,91 +205,40 @@ def plot_vibration_effect(dataset: xr.Dataset) -> Picture:
         With ``frequency`` and ``quasi_static_frequency`` (engine, crank_speed, crank_angle,
         mode) in Hz, angles in rad and speeds in rad/s.
     ax : Axes or sequence of Axes, optional
-        The user's, one a mode and one more. Left out: a new figure is made.
+        The user's, one an engine that is drawn. Left out: a new figure is made.
 
     Returns
     -------
     Figure
     """
     fastest, speed = at_highest_speed(dataset.sortby("crank_angle"))
-    order = ("mode", "engine", "crank_angle")
+    order = ("engine", "mode", "crank_angle")
     pair = [values_of(fastest[name], *order) for name in ("frequency", "quasi_static_frequency")]
-    engines = _affected(*pair)
-    running, still = (values[:, engines] for values in pair)
-    names = [engine_label(dataset, engine) for engine in engines]
-    angles, modes = degrees(fastest["crank_angle"]), fastest["mode"].values.tolist()
-    tall = max(0.85, 1.5 - 0.1 * len(modes))
-    ratios = [*[tall] * len(modes), 1.4]
-    layout = grid(len(ratios), 1, sum(ratios) + 0.5, sharex=True, height_ratios=ratios)
+    engines, percent = _affected(*pair), 100.0 * (pair[0] / pair[1] - 1.0)
+    limits = scales.limits_around(np.append(percent[engines], 0.0), least=LEAST_DIFFERENCE)
+    angles = degrees(fastest["crank_angle"])
+    modes = [f"mode {mode}" for mode in fastest["mode"].values.tolist()]
     panes = [
         Pane(
-            "Frequency\n(Hz)",
-            _frequencies(angles, *pair, series_style(number).color),
-            title=mode_label([mode]),
-            limits=scales.limits_around(pair, least_part=scales.FREQUENCY_BAND),
+            "",
+            series(angles, percent[engine], modes),
+            title=engine_label(dataset, engine),
+            spans=(NOTHING,),
+            limits=limits,
         )
-        for number, (mode, pair) in enumerate(
-            zip(modes, zip(running, still, strict=True), strict=True)
-        )
+        for engine in engines
     ]
-    panes.append(_difference(angles, 100.0 * (running / still - 1.0)))
-    title = f"Natural frequencies at {speed}, {' and '.join(names)}"
-    return over_angles(angles, panes, dataset, title, layout=layout, legend=_legend(modes, names))
+    title = f"Natural frequencies at {speed}, running against quasi-static"
+    label = "Difference (%)"
+    layout = grid(len(panes), 1, EFFECT_HEIGHT * len(panes) + 0.5, sharex=True)
+    return over_angles(angles, panes, dataset, title, label, layout=layout)
 
 
 def _affected(running: FloatArray, still: FloatArray) -> list[int]:
-    """Engines whose two frequencies differ, or the first engine; shape (mode, engine, angle)."""
+    """Engines whose two frequencies differ, or the first engine; shape (engine, mode, angle)."""
     differ = ~np.isclose(running, still, rtol=SAME, atol=0.0, equal_nan=True)
-    numbers: list[int] = np.flatnonzero(differ.any(axis=(0, 2))).tolist()
+    numbers: list[int] = np.flatnonzero(differ.any(axis=(1, 2))).tolist()
     return numbers or [0]
-
-
-def _frequencies(
-    angles: FloatArray, running: FloatArray, still: FloatArray, color: str
-) -> tuple[Curve, ...]:
-    """Both frequencies of a mode; shape (engine, crank_angle)."""
-    curves = []
-    for number in range(len(running)):
-        # One engine needs no marks to be told from others.
-        marked = few_points(angles) or len(running) > 1
-        mark: Look = {"marker": MARKS[number % 4] if marked else "", "ms": MARK_SIZE}
-        mark["markevery"] = angle_panels.staggered(angles, number, len(running))
-        curves.append(Curve(angles, running[number], {"color": color} | RUNNING | mark))
-        curves.append(Curve(angles, still[number], STILL | mark | {"mfc": "white"}))
-    return tuple(curves)
-
-
-def _difference(angles: FloatArray, percent: FloatArray) -> Pane:
-    """Relative differences in percent; shape (mode, engine, crank_angle)."""
-    curves = []
-    for mode, engines in enumerate(percent):
-        look = RUNNING | _mode_mark(mode)
-        look["markevery"] = angle_panels.staggered(angles, mode, len(percent))
-        for number, values in enumerate(engines):
-            curves.append(Curve(angles, values, look | {"ls": "-" if number == 0 else ":"}))
-    return Pane(
-        "Difference\n(%)",
-        curves,
-        title="Running against quasi-static",
-        spans=(NOTHING,),
-        limits=scales.limits_around(np.append(percent, 0.0), least=LEAST_DIFFERENCE),
-    )
-
-
-def _mode_mark(number: int) -> Look:
-    """Colour and mark of a mode: where the series' styles repeat, the marks are open."""
-    style = series_style(number)
-    fill = style.color if number < len(SERIES_STYLES) else "white"
-    return {"color": style.color, "marker": style.marker, "ms": MARK_SIZE, "mfc": fill}
-
-
-def _legend(modes: list[int], names: list[str]) -> dict[str, Look]:
-    """Legend of the two lines of the upper panels, then a colour and mark a mode."""
-    legend: dict[str, Look] = {"running": RUNNING | {"color": "0.2"}, "quasi-static": STILL}
-    for number, name in enumerate(names if len(names) > 1 else []):
-        mark: Look = {"ls": "", "marker": MARKS[number % 4], "ms": MARK_SIZE}
-        legend[name] = mark | {"color": "0.2"}
-    return legend | {f"mode {mode}": _mode_mark(number) for number, mode in enumerate(modes)}
 
 
 @figure

@@ -97,7 +97,7 @@ def _names_of_bands(bands: dict[int, tuple[float, float]], limit: float) -> list
     """f1, f2, ... over the bands, apart from each other where bands are close."""
     wanted = np.array([(low + high) / 2 for low, high in bands.values()])
     room = limit * LABEL_ROOM / (style.figure_width() - style.BESIDE_PANELS)
-    look: Look = {"ha": "center", "va": "top", "fontsize": 8, "color": "0.25"}
+    look: Look = {"ha": "center", "va": "top", "fontsize": "small", "color": "0.25"}
     return [
         Note(float(place), 0.985, f"$f_{{{mode}}}$", look, high=True)
         for place, mode in zip(reading.spread(wanted, room), bands, strict=True)

@@ -61,7 +61,7 @@ def plot_strength(dataset: xr.Dataset) -> Picture:
     Figure
     """
     panes, curves = [_parts(dataset)], used_curves(dataset.isel(engine=0))
-    heights = [ROW * len(panes[0].rows)]
+    heights = [ROW * max(len(panes[0].rows), 2)]
     if curves:
         panes.append(used_pane(curves))
         heights.append(CURVES)
@@ -81,7 +81,7 @@ def _parts(dataset: xr.Dataset) -> Pane:
     used = np.array([FAILS / factor if factor else np.inf for factor, *_ in worst.values()])
     most = ROOM * float(used[np.isfinite(used)].max(initial=FAILS / 1e3))
     curves, notes = list[Curve](), list[Note]()
-    small: style.Look = {"fontsize": style.LABEL_POINTS, "va": "bottom"}
+    small: style.Look = {"fontsize": "small", "va": "bottom"}
     for row, ((part, kind), (factor, place, angle, mode)) in enumerate(worst.items(), 1):
         number = links.index(part) if kind != "pin" else None
         color = "0.2" if number is None else style.series_style(number).color
@@ -94,7 +94,7 @@ def _parts(dataset: xr.Dataset) -> Pane:
     return Pane(
         "",
         curves,
-        title="Worst place of each part: load factor and kind of failure",
+        title="Load factor and kind of failure",
         spans=(replace(LIMIT, upright=True),) if most > FAILS else (),
         along="1 / load factor (%)",
         rows=[KINDS[kind].format(part) for part, kind in worst],

@@ -94,6 +94,7 @@ with plots.publication_style():
                 line = plots.series_line(number) | {"label": state}
                 axes.plot(crank, drawn.sel(state=state, link=link), **line)
             axes.set(title=f"{link.capitalize()}{what}", ylabel="Angle (deg)")
+        plots.crank_angle_axis(column[-1], crank.values)
         column[-1].set_xlabel("Crank angle (deg)")
     handles, labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=3)

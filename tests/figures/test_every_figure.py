@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from flexmech import InputError, plots
 from tests.support.figure_checks import check_layout, legend_texts, panels, shown_texts
@@ -77,12 +78,15 @@ def test_lines_have_colours_that_colour_blind_readers_tell_apart(plot: Plot) -> 
 
 @EVERY
 def test_axes_of_the_user_hold_what_a_new_figure_holds(plot: Plot) -> None:
-    """Their figure gets no heading and keeps its height; data and settings stay as they were."""
+    """No heading, the height as it was, letters of the user's family; data stay as they were."""
     count, data = FIGURES[plot][1], data_of(plot)
     before, settings = data.copy(deep=True), dict(mpl.rcParams)
-    figure = Figure(figsize=(8, 4 * count), layout="constrained")
-    given = figure.subplots(count, 1, squeeze=False)[:, 0]
-    assert plot(data, ax=given if count > 1 else given[0]) is figure
+    with mpl.rc_context({"font.family": "DejaVu Serif"}):
+        figure = Figure(figsize=(8, 4 * count), layout="constrained")
+        given = figure.subplots(count, 1, squeeze=False)[:, 0]
+        assert plot(data, ax=given if count > 1 else given[0]) is figure
+        letters = {text.get_fontname() for text in figure.findobj(Text)}
+    assert letters == {"DejaVu Serif"}
     new = figure_of(plot)
     for axes, other in zip(given, panels(new), strict=True):
         for line, wanted in zip(axes.lines, other.lines, strict=True):

@@ -256,12 +256,15 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(0, "Transmission angle (deg)", lambda d: np.degrees(d["transmission_angle"])),
     ],
     plots.plot_vibration_effect: [
-        Row(1, "Frequency (Hz)", lambda d: d["frequency"][0, 0, :, 1]),
-        Row(1, "Frequency (Hz)", lambda d: d["quasi_static_frequency"][0, 0, :, 1]),
         Row(
-            3,
+            0,
             "Difference (%)",
-            lambda d: 100 * (d["frequency"] / d["quasi_static_frequency"] - 1)[0, 0, :, 2],
+            lambda d: (
+                100
+                * (d["frequency"] / d["quasi_static_frequency"] - 1)
+                .isel(crank_speed=0)
+                .sel(engine="exudyn")
+            ),
         ),
     ],
 }

@@ -70,7 +70,7 @@ FIGURES: dict[Plot, tuple[Callable[[], object], int]] = {
     plots.plot_stability_against: (results.stability, 2),
     plots.plot_strength: (results.strength, 2),
     plots.plot_transmission_angle: (results.synthesis, 1),
-    plots.plot_vibration_effect: (results.running_frequencies, 4),
+    plots.plot_vibration_effect: (results.running_frequencies, 1),
     plots.plot_verification: (results.verified, 1),
 }
 

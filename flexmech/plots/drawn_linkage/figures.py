@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
+from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -276,7 +277,9 @@ def plot_mode_shapes(
         for mode, axes in enumerate(drawn.panels):
             sketch.frame(axes, limits)
             heading = f"{mode_label(dataset['mode'].values[[mode]].tolist())}\n{texts[mode]}"
-            drawn.title(axes, heading, loc="center", fontsize=8, linespacing=1.3)
+            drawn.title(
+                axes, heading, loc="center", fontsize=rcParams["legend.fontsize"], linespacing=1.3
+            )
             sketch.draw(axes)
             for number, links in enumerate(deflected[:, mode]):
                 line = series_line(number) | {"lw": widths[number], "zorder": 2 + 0.1 * number}

@@ -243,7 +243,7 @@ class LinkageSketch(Posture):
         ends = [middle - length * 0.5e-3, middle + length * 0.5e-3]
         axes.plot(ends, [height, height], color="black", lw=1.6)
         look: Look = {"xytext": (0, 2), "textcoords": "offset points", "ha": "center"}
-        axes.annotate(f"{length:g} mm", (middle, height), fontsize=7, **look)
+        axes.annotate(f"{length:g} mm", (middle, height), fontsize="small", **look)
 
     def taken(self, place: FloatArray, *, links_alone: bool = False) -> list[FloatArray]:
         """Directions in which there is something at a place.
