@@ -143,8 +143,14 @@ class Engine(EngineParameters):
         return max(LEAST_BATCH, BATCH_BYTES // (8 * 4 * entries))
 
     def batches(self, count: int) -> list[slice]:
-        """Batches of equal size for a number of positions."""
-        return equal_batches(count, self.batch_size)
+        """Batches of equal size for a number of positions.
+
+        A batch may exceed :attr:`batch_size` by a quarter, which avoids a small last one: each
+        batch takes some time however small it is. There is an empty one for no position alone.
+        """
+        number = max(1, math.ceil(count / self.batch_size - 1 / 4))
+        edges = [count * place // number for place in range(number + 1)]
+        return [slice(*both) for both in pairwise(edges)]
 
     def linear_system(
         self,
@@ -623,29 +629,6 @@ class Engine(EngineParameters):
     def connectors(self) -> Connectors:
         """Loads on the links and springs between them."""
         return Connectors(self.mechanism, self.links)
-
-
-def equal_batches(count: int, size: int) -> list[slice]:
-    """Batches of equal size for a number of positions.
-
-    A batch may exceed the requested size by a quarter, which avoids a small last one: each batch
-    takes some time however small it is.
-
-    Parameters
-    ----------
-    count : int
-        Positions.
-    size : int
-        That a batch should have at most.
-
-    Returns
-    -------
-    list of slice
-        One or more; empty ones only where there is no position.
-    """
-    number = max(1, math.ceil(count / size - 1 / 4))
-    edges = [count * place // number for place in range(number + 1)]
-    return [slice(*both) for both in pairwise(edges)]
 
 
 # Change along the turn, relative to the greatest value, that round-off makes: some five hundred

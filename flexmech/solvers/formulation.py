@@ -99,13 +99,11 @@ class Systems:
     running: NonlinearOrbit | None = None
 
     @property
-    def is_damped(self) -> bool:
-        """Whether damping ratios are more than an effect of the frames; see :attr:`damped_by`."""
-        return bool(self.damped_by)
-
-    @property
     def damped_by(self) -> str:
-        """What gives or takes energy, in words; empty if nothing does."""
+        """What gives or takes energy, in words.
+
+        Empty if nothing does: then damping ratios are an effect of the frames.
+        """
         kinds = {
             "Kelvin-Voigt": self.engine.has_damped_links,
             "dampers": has_dampers(self.engine.mechanism),

@@ -436,7 +436,7 @@ def converged_modes(
             none = np.zeros((len(modes.frequency), count))
             return CheckedModes(detailed, system, modes, ModeErrors(none, none))
         error = reduction_error(exact, system, modes.lowest(count))
-        small = error.small(modes, damped=systems.is_damped)
+        small = error.small(modes, damped=bool(systems.damped_by))
         if small.all():
             return CheckedModes(detailed, system, modes, error)
         logger.info(
@@ -549,7 +549,7 @@ class UnreducedPositions:
         """
         engine = self.systems.engine
         turned = any(body.is_off_axis for link in engine.links for body in link.bodies)
-        if turned or self.systems.is_damped or not self._links_alone:
+        if turned or self.systems.damped_by or not self._links_alone:
             return None
         return (
             LinkPencil(engine.frames, self._motion, self.stressed, self._terms),

@@ -370,7 +370,7 @@ def _map_on_mesh(
             "reduction_error": check.reduction_error.frequency,
             "mode_shape": scaled_parts(shapes[:, :modes]),
         }
-        if systems.is_damped:
+        if systems.damped_by:
             errors |= {
                 "damping_ratio_discretisation_error": check.mesh_error.damping_ratio,
                 "damping_ratio_reduction_error": check.reduction_error.damping_ratio,
