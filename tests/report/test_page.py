@@ -168,7 +168,7 @@ def test_a_report_computes_kinematics_and_a_campbell_diagram_at_its_speeds() -> 
     request = flexmech.report.ReportRequest(
         [0.0, 10.0, 20.0],
         np.radians([0.0, 90.0, 180.0, 270.0]),
-        ("campbell", "kinematics"),
+        include=("campbell", "kinematics"),
         modes=1,
         tolerance=None,
     )

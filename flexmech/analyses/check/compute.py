@@ -184,7 +184,7 @@ class ModelCheck(Result):
         times = self.dataset["damping_time_bending"].values
         if not np.isfinite(times).any() or np.nanmax(times) > 0:
             return ""
-        return "No link is damped: what rings in it has no bound until damping is stated."
+        return "No link is damped: resonant vibration is unbounded until damping is stated."
 
     def _frequencies(self) -> list[Quantity]:
         known = self.dataset
