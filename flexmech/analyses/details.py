@@ -27,7 +27,7 @@ def details_table(quantities: Iterable[Quantity]) -> tuple[Table, ...]:
     Parameters
     ----------
     quantities : iterable of Quantity
-        Those that are not finite are left out.
+        Those that are not finite are left out; counts, which are integers, have all digits.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def details_table(quantities: Iterable[Quantity]) -> tuple[Table, ...]:
         (
             one.name.replace("_", " "),
             one.of,
-            rounded(one.value, one.error),
+            str(one.value) if isinstance(one.value, int) else rounded(one.value, one.error),
             one.unit,
             f"{one.error:.1g}" if math.isfinite(one.error) and one.error else "",
         )

@@ -156,7 +156,12 @@ def engines_of(
         value = chosen_engines(
             value, **cast(Any, named | {"engine": named["engine"] or "reference"})
         )
-    elif given := [name for name in named if named[name] != getattr(type(asked), name, None)]:
+    # Elements that have a default are places along the links of an engine too.
+    elif given := [
+        name
+        for name, wanted in named.items()
+        if wanted is not None and getattr(type(asked), name, None) is None
+    ]:
         raise InputError(
             f"{given[0]}: an engine is given already; leave {given[0]} out, or give the mechanism "
             "in place of the engine"

@@ -59,7 +59,7 @@ def test_what_could_not_be_computed_is_never_clear(orders: list[int]) -> None:
     last = found.dataset["band_speed"].values[known].max()
     assert 80 < fastest - step <= last < fastest
     *at_speeds, avoid = found.summary().answer
-    assert at_speeds[0].startswith("Whether 110 rad/s is critical is not known")
+    assert at_speeds[0].startswith("Whether 110 rad/s is critical is unknown")
     assert at_speeds[1].startswith("20 rad/s is ")
     assert avoid.endswith(f"; from {last:.6g} to 120 rad/s nothing was computed.")
     clear = re.findall(r"clear is .*? to ([0-9.]+) rad/s|from 0 to ([0-9.]+) rad/s is cri", avoid)

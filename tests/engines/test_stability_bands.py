@@ -203,8 +203,9 @@ def test_a_band_between_two_others_is_found_where_each_speed_asked_for_lies_in_o
     assert rate[0].max() == pytest.approx(bands["largest_growth_rate_1_s"].max(), rel=0.02)
     assert not grows[1].any()  # 0.269 % closes all of them
     # What steps may not see is part of the answer.
-    assert "closes all that were found" in found.summary().answer[1]
-    assert "can be missed" in found.summary().answer[2]
+    closing, steps = found.summary().answer[1:3]
+    assert "0.269 %" in closing
+    assert "rad/s apart" in steps
 
 
 def test_speeds_without_equilibrium_are_not_said_to_be_stable() -> None:
@@ -212,14 +213,14 @@ def test_speeds_without_equilibrium_are_not_said_to_be_stable() -> None:
     aluminium = replace(case("aluminium four-bar").mechanism, operating_speeds=(24.0,))
     engine = ReferenceEngine(aluminium, 1)
     data = stability(engine, [20.0, 21.0, 25.0], prestress="axial", modes=1).dataset
-    assert "24 rad/s is in no unstable band" in StabilityMap(data).summary().answer[0]
+    assert "24 rad/s lies outside" in StabilityMap(data).summary().answer[0]
     data = data.isel(curve=data["curve_speed"].values < 23)
     states = np.array([["no", "no", "no equilibrium"]])
     data = data.assign(unstable=(data["unstable"].dims, states))
     operating, stable, *_ = StabilityMap(data).summary().answer
-    assert operating.startswith("Whether 24 rad/s is stable is not known")
+    assert operating.startswith("Stability at 24 rad/s is unknown")
     last = data["curve_speed"].values.max()
-    assert stable == f"No vibration is found to grow from 20 to {last:.6g} rad/s."
+    assert f"from 20 to {last:.6g} rad/s" in stable
 
 
 def test_a_map_beyond_the_buckling_of_straight_links_ends_with_bands_in_its_range() -> None:

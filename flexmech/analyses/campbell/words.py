@@ -355,7 +355,7 @@ def _at_speed(data: xr.Dataset, speed: float) -> str:
     """Whether a speed is clear of the orders, its lowest frequency, and the nearest order."""
     name = speed_name(data, speed)
     if not _is_computed(data, speed):
-        return f"Whether {name} is critical is not known: nothing was computed there."
+        return f"Whether {name} is critical is unknown: nothing was computed there."
     bands, errors = _band_at(data, speed, 0)
     ends = [rounded(bands[n], errors[n]) for n in (0, 2)]
     first = f"f1 is {' to '.join(dict.fromkeys(ends))} Hz"
@@ -374,12 +374,8 @@ def _at_others(data: xr.Dataset, speeds: list[float]) -> str:
         state = "critical" if _met_at(data, speed) else "clear"
         state = state if _is_computed(data, speed) else "not computed"
         names[state].append(speed_name(data, speed))
-    parts = [
-        f"{', '.join(own)} {'is' if len(own) == 1 else 'are'} {state}"
-        for state, own in names.items()
-        if own
-    ]
-    return f"Of the other operating speeds {'; '.join(parts)}."
+    parts = [f"{', '.join(own)} {state}" for state, own in names.items() if own]
+    return f"Other operating speeds: {'; '.join(parts)}."
 
 
 def _range(data: xr.Dataset, met: list[Critical]) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import xarray as xr
 
@@ -174,51 +176,53 @@ def trust(dataset: xr.Dataset) -> str:
     return said
 
 
-def ratio_lines(dataset: xr.Dataset) -> list[str]:
-    """Report damping ratios where something damps or follows, and the errors of both kinds."""
+def error_quantities(dataset: xr.Dataset) -> Iterator[Quantity]:
+    """Greatest errors of the damping ratio of each mode by mesh and component modes.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of the map in one state.
+
+    Yields
+    ------
+    Quantity
+        In percent of the ratio.
+    """
     if "damping_ratio" not in told(dataset):
-        return []
-    ratio = dataset["damping_ratio"]
-    damped_by = dataset.attrs.get("damped_by", "Kelvin-Voigt")
-    at_checks = abs(ratio.sel(crank_angle=dataset["check_angle"]))
-    ends, lines = damping_range(dataset, "damping_ratio"), []
-    for mode in ratio["mode"].values:
-        shares = []
-        for cause in _CAUSES:
-            error = dataset[f"damping_ratio_{cause}_error"].sel(mode=mode)
-            shares.append(percent(float((error / at_checks.sel(mode=mode)).max())))
-        own = ends.sel(mode=mode)
-        known = float(own["error"].max())
-        low, high = float(own["lowest"].min()), float(own["highest"].max())
-        lines.append(
-            f"damping ratio ({damped_by}) of mode {mode}: {percent_text(low, known)} % to "
-            f"{percent_text(high, known)} %; discretisation error (estimated) at most "
-            f"{shares[0]} of it, reduction error at most {shares[1]} of it"
-        )
-    moving = ratio.where(ratio["crank_speed"] != 0)
-    by_frames = dataset.attrs.get("rotation_terms", "off") != "off" and float(moving.min()) < 0
-    if by_frames and not flutters(dataset):
-        lines.append(
-            "damping ratio: turning link frames may make it negative in a frozen position; "
-            "that is no instability: `flexmech stability` finds the vibrations that grow"
-        )
+        return
+    at_checks = abs(dataset["damping_ratio"].sel(crank_angle=dataset["check_angle"]))
+    for cause in _CAUSES:
+        shares = 100 * dataset[f"damping_ratio_{cause}_error"] / at_checks
+        for mode in dataset["mode"].values:
+            share, of = float(shares.sel(mode=mode).max()), f"mode {mode}"
+            yield Quantity(f"{cause} error of the damping ratio", share, "%", of=of)
+
+
+def damping_lines(dataset: xr.Dataset) -> list[str]:
+    """Negative damping ratios of frozen positions, and what of strain-energy damping is unknown."""
+    lines, kinds = [], told(dataset)
+    if "damping_ratio" in kinds:
+        lines += _negative_lines(dataset)
+    if "strain_energy_damping" in kinds:
+        lines += _strain_energy_lines(dataset)
     return lines
 
 
-def strain_energy_lines(dataset: xr.Dataset) -> list[str]:
-    """Report damping by modal strain energy, where the mechanism's sections tell a loss."""
-    if "strain_energy_damping" not in dataset:
+def _negative_lines(dataset: xr.Dataset) -> list[str]:
+    ratio = dataset["damping_ratio"]
+    moving = ratio.where(ratio["crank_speed"] != 0)
+    by_frames = dataset.attrs.get("rotation_terms", "off") != "off" and float(moving.min()) < 0
+    if not by_frames or flutters(dataset):
         return []
-    ratio, ends = dataset["strain_energy_damping"], damping_range(dataset, "strain_energy_damping")
-    ranges = []
-    for mode in ratio["mode"].values:
-        own = ends.sel(mode=mode)
-        known = float(own["error"].max())
-        low, high = float(own["lowest"].min()), float(own["highest"].max())
-        ranges.append(f"{percent_text(low, known)} % to {percent_text(high, known)} %")
-    ranges[0] += " over the crank angles" + " and speeds" * (ratio.sizes["crank_speed"] > 1)
-    modes = (f"{r} (mode {m})" for r, m in zip(ranges, ratio["mode"].values, strict=True))
-    said = [", ".join(modes)]
+    return [
+        "damping ratio: turning link frames may make it negative in a frozen position; that is no "
+        "instability, and `flexmech stability` shows whether vibrations grow"
+    ]
+
+
+def _strain_energy_lines(dataset: xr.Dataset) -> list[str]:
+    ratio, said = dataset["strain_energy_damping"], []
     if ratio.sizes["engine"] > 1:
         apart = float(abs(ratio - ratio.isel(engine=0, drop=True)).max())
         said.append(f"engines differ by at most {apart:.1e}")

@@ -12,6 +12,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import with_terms
+from flexmech.analyses.details import details_table
 from flexmech.analyses.frequencies import answer as answers
 from flexmech.analyses.frequencies import damping, words
 from flexmech.analyses.frequencies.answer import (
@@ -22,7 +23,7 @@ from flexmech.analyses.frequencies.answer import (
 )
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.result import Result
-from flexmech.analyses.summary import Summary, warnings_of
+from flexmech.analyses.summary import Summary, Table, warnings_of
 from flexmech.errors import InputError
 from flexmech.plots.frequencies import has_few_angles, has_no_curve_over_angle
 
@@ -298,21 +299,22 @@ class MovingFrequencies(Result):
             error = dry + wet
         data = last.dataset
         title = f"natural frequencies, {data.attrs.get('mechanism', '')}"
-        lines = [
+        effect = last.vibration_effect()
+        lines: list[Table | str] = [
+            *details_table(
+                [*words.error_quantities(data, effect), *damping.error_quantities(data)]
+            ),
             *theory_lines(self.dataset.attrs),
             *words.counted_lines(data),
-            *words.error_lines(data),
             *words.tracking_lines(data),
-            *words.vibration_lines(last.vibration_effect(), data),
-            *damping.ratio_lines(data),
-            *damping.strain_energy_lines(data),
+            *damping.damping_lines(data),
             *words.shaft_lines(data),
             *str(self.dataset.attrs.get("environment_lines", "")).splitlines(),
             *change_lines(change, error),
         ]
         if "speed_effect" in self.dataset and "speed_effect" not in data:
             lines.append("effect of speed: not split by term, since links bend without load")
-        extremes, effect = last.extremes(), last.vibration_effect()
+        extremes = last.extremes()
         return Summary(
             tuple(answers.answer(extremes, data, change, error)),
             words.extremes_table(extremes, data, title),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.digits import rounded
+from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.frequencies import damping
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.requests import fewer_modes_lines
@@ -105,21 +106,44 @@ def counted_lines(dataset: xr.Dataset) -> list[str]:
     lumps = int(dataset.attrs.get("lumped_masses", 0))
     if lumps:
         lines.append(
-            f"mass: {lumps} lumped masses in the reference engine, in the place of distributed mass"
+            f"mass: {lumps} lumped masses in the reference engine replace distributed mass"
         )
     return lines
 
 
-def error_lines(dataset: xr.Dataset) -> list[str]:
-    """Report the greatest error by the mesh, component modes and lumps, and where they are."""
-    lines = [
-        _error_line("discretisation error (estimated)", dataset["discretisation_error"], dataset),
-        _error_line("reduction error", dataset["reduction_error"], dataset),
-    ]
-    if "lumping_error" in dataset:
-        line = _error_line("error of lumped masses", dataset["lumping_error"], dataset)
-        lines.append(f"{line}, by the same engine with distributed mass")
-    return lines
+# Errors of frequencies over themselves, in words.
+_ERRORS = {
+    "discretisation_error": "discretisation error",
+    "reduction_error": "reduction error",
+    "lumping_error": "error of lumped masses",
+}
+
+
+def error_quantities(dataset: xr.Dataset, effect: xr.DataArray | None) -> Iterator[Quantity]:
+    """Greatest error of each engine by mesh, component modes and lumped masses, and where.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Dataset of the map in one state.
+    effect : xarray.DataArray or None
+        Relative change of the frequencies by vibration, where the running states were asked for.
+
+    Yields
+    ------
+    Quantity
+        In percent of the frequency; those that are unknown are left out.
+    """
+    values = {words: dataset[name] for name, words in _ERRORS.items() if name in dataset}
+    if effect is not None:
+        values["change by vibration"] = effect
+    for words, of_engines in values.items():
+        for engine in dataset["engine"].values:
+            of = of_engines.sel(engine=engine)
+            if np.isfinite(of).any():
+                place = of[_greatest(of)]
+                where = f"{engine}, {_at(place, dataset)}"
+                yield Quantity(words, 100 * float(place), "%", of=where)
 
 
 def tracking_lines(dataset: xr.Dataset) -> list[str]:
@@ -136,26 +160,11 @@ def tracking_lines(dataset: xr.Dataset) -> list[str]:
         lines.append(f"veering, where close modes swap their shapes: {'; '.join(veering)}")
     if unclear:
         lines.append(
-            "branches that are not clear, even in the shortest steps between the angles: "
+            "branches uncertain even in the shortest steps between the angles: "
             + "; ".join(unclear)
         )
     if torn:
-        lines.append(f"branches that are not whole over these angles: {'; '.join(torn)}")
-    return lines
-
-
-def vibration_lines(effect: xr.DataArray | None, dataset: xr.Dataset) -> list[str]:
-    """Say how much vibration moves the frequencies, where the running states were asked for."""
-    if effect is None:
-        return []
-    lines = []
-    for engine in effect["engine"].values:
-        change = effect.sel(engine=engine)
-        place = _greatest(change)
-        lines.append(
-            f"trajectory: vibration moves the frequencies of {engine} by at most "
-            f"{float(change[place]):+.2e} of the quasi-static ones, {_at(change[place], dataset)}"
-        )
+        lines.append(f"branches incomplete over these angles: {'; '.join(torn)}")
     return lines
 
 
@@ -250,17 +259,6 @@ def _torn_branches(place: xr.Dataset) -> list[str]:
     return [f"{place['engine'].item()} at {speed} {unit} ({', '.join(map(str, torn))})"]
 
 
-def _error_line(name: str, errors: xr.DataArray, dataset: xr.Dataset) -> str:
-    sizes = abs(errors)
-    if not np.isfinite(sizes).any():
-        return f"{name}: not known"
-    place = sizes[_greatest(sizes)]
-    return (
-        f"{name}: at most {float(place):.1e} of the frequency, {place['engine'].item()} "
-        f"{_at(place, dataset)}"
-    )
-
-
 def _greatest(values: xr.DataArray) -> dict[Any, Any]:
     """Indices of the greatest size, by dimension."""
     sizes = np.abs(values.values)
@@ -273,7 +271,7 @@ def _at(place: xr.DataArray, dataset: xr.Dataset) -> str:
     unit = speed_unit(dataset)
     angle = place["crank_angle" if "crank_angle" in place.coords else "check_angle"]
     return (
-        f"at {speed_text(place['crank_speed'], unit)} {unit}, {_degrees(angle)} deg, "
+        f"{speed_text(place['crank_speed'], unit)} {unit}, {_degrees(angle)} deg, "
         f"mode {place['mode'].item()}"
     )
 

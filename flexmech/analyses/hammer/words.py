@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.details import details_table, notes_of
 from flexmech.analyses.digits import Quantity, rounded, with_error
 from flexmech.analyses.summary import Summary, Table, warnings_of
 from flexmech.arrays import FloatArray
@@ -31,7 +31,12 @@ def hammer_summary(dataset: xr.Dataset) -> Summary:
         _answer(dataset),
         _mode_table(dataset),
         _verdict(dataset),
-        (*_record_lines(dataset), *theory_lines(dataset.attrs)),
+        (
+            *details_table(_record_quantities(dataset)),
+            f"identification: {dataset.attrs['method']}",
+            *_notes(dataset),
+            *theory_lines(dataset.attrs),
+        ),
         (*_unfound_warnings(dataset), *warnings_of(dataset.attrs)),
         _numbers(dataset),
     )
@@ -46,6 +51,14 @@ _CAPTION = (
 _STANDARD_ERRORS = 2.0
 # Modes that the verdict speaks of, as papers do.
 _FIRST_MODES = 3
+# Differences over the peak of the receptance, in words.
+_ERRORS = {
+    "simulation_error": "measured receptance against all modes",
+    "superposition_error": "modes to twice the band against all",
+    "direct_difference": "direct solution against all modes",
+    "identification_misfit": "measured receptance left by modes",
+}
+_OF_MODES = ("frequency", "damping_ratio")
 
 
 def _answer(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -79,25 +92,6 @@ def _answer(dataset: xr.Dataset) -> tuple[str, ...]:
 def _error(mode: xr.Dataset, what: str) -> float:
     """Half of the 95 % interval that noise leaves, of a mode at one crank angle."""
     return _STANDARD_ERRORS * float(mode[f"identified_{what}_error"].values.ravel()[0])
-
-
-def _error_lines(dataset: xr.Dataset) -> list[str]:
-    """What noise lets vary from one test to the next, of every mode identified."""
-    lines = []
-    for number, angle in enumerate(dataset["crank_angle"].values):
-        own = dataset.isel(crank_angle=number)
-        parts = [
-            f"mode {int(mode)} {float(own['identified_frequency_error'][place]):.2g} Hz and "
-            f"{100 * float(own['identified_damping_ratio_error'][place]):.2g} %"
-            for place, mode in enumerate(own["mode"].values)
-            if np.isfinite(own["identified_frequency"][place])
-        ]
-        if parts:
-            lines.append(
-                f"standard errors by noise of frequency and damping ratio at "
-                f"{DEGREES * float(angle):.6g} deg: {', '.join(parts)}"
-            )
-    return lines
 
 
 def _span(values: FloatArray, error: float) -> str:
@@ -144,31 +138,47 @@ def _mode_table(dataset: xr.Dataset) -> Table:
     return Table(title, _HEADINGS, tuple(groups), text_columns=0, caption=_CAPTION)
 
 
-def _record_lines(dataset: xr.Dataset) -> list[str]:
-    """How the records were taken, and what they were compared with."""
+def _record_quantities(dataset: xr.Dataset) -> Iterator[Quantity]:
+    """How the records were taken, how far they are off, and what noise lets vary."""
     of = dataset.attrs
-    samples, averages = dataset.sizes["time"], dataset.sizes["average"]
-    error = _greatest(dataset, "simulation_error")
-    left_out = _greatest(dataset, "superposition_error")
-    direct = _greatest(dataset, "direct_difference")
-    misfit = _greatest(dataset, "identification_misfit")
-    return [
-        f"pulse: half-sine of {1e3 * of['pulse']:.4g} ms with {of['peak_force']:g} N, by which "
-        "links move a millionth of the shortest one's length: they answer linearly",
-        f"records: {of['duration']:.4g} s, {samples} samples at {of['sampling_rate']:.6g} Hz, "
-        f"band to {of['bandwidth']:g} Hz, lines every {1 / of['duration']:.4g} Hz; {averages} "
-        f"average{'s' if averages > 1 else ''}, {_noise(of)}",
-        f"windows: force about the pulse, {1e3 * of['pulse_start']:.3g} ms after the record's "
-        f"begin; {_window(of)}",
-        f"transient: {_transient(of)}",
-        f"measured receptance (H1) against the superposition of all modes: {error} of the peak "
-        "at most",
-        "superposition of the modes up to twice the band with the residual term "
-        f"{_residual(dataset)} m/N: {left_out} of the peak; direct solution against all modes: "
-        f"{direct}",
-        f"identification: {of['method']}, which leaves {misfit} of the measured receptance",
-        *(_error_lines(dataset) if of["noise"] else []),
-    ]
+    yield Quantity("duration of the pulse", 1e3 * of["pulse"], "ms")
+    yield Quantity("peak force of the pulse", of["peak_force"], "N")
+    yield Quantity("time before the pulse", 1e3 * of["pulse_start"], "ms")
+    yield Quantity("duration of a record", of["duration"], "s")
+    yield Quantity("samples of a record", dataset.sizes["time"], "")
+    yield Quantity("sampling rate", of["sampling_rate"], "Hz")
+    yield Quantity("bandwidth", of["bandwidth"], "Hz")
+    yield Quantity("distance of lines", 1 / of["duration"], "Hz")
+    yield Quantity("averages", dataset.sizes["average"], "")
+    yield Quantity("noise over signal, RMS", 100 * of["noise"], "%")
+    if of["noise"]:
+        yield Quantity("seed of the noise", int(of["seed"]), "")
+    yield Quantity("decay rate of the window", of["window_decay_rate"], "1/s")
+    yield Quantity("response at the end over its peak", 100 * of["left_at_the_end"], "%")
+    if of["simulates"]:
+        shift = (np.pi * of["bandwidth"] * of["step"]) ** 2 / 3
+        yield Quantity("time step", 1e3 * of["step"], "ms")
+        yield Quantity("shift by the time step, removed", 100 * shift, "%", of="end of the band")
+    for number, angle in enumerate(dataset["crank_angle"].values):
+        at = dataset.isel(crank_angle=number)
+        place = f"{DEGREES * float(angle):.6g} deg"
+        yield Quantity("residual term", float(at["residual_term"]), "m/N", of=place)
+        for name, words in _ERRORS.items():
+            yield Quantity(words, 100 * abs(float(at[name])), "% of peak", of=place)
+        for mode in at["mode"].values if of["noise"] else ():
+            one, mark = at.sel(mode=mode), f"mode {int(mode)}, {place}"
+            hertz, ratio = (float(one[f"identified_{n}_error"]) for n in _OF_MODES)
+            yield Quantity("standard error of frequency", hertz, "Hz", of=mark)
+            yield Quantity("standard error of damping ratio", 100 * ratio, "%", of=mark)
+
+
+def _notes(dataset: xr.Dataset) -> Iterator[str]:
+    """What the records leave out, and what is taken off them."""
+    notes, of = notes_of(__package__), dataset.attrs
+    yield notes["linear"]
+    yield notes["simulated" if of["simulates"] else "exact"]
+    if of["window_decay_rate"]:
+        yield notes["window"]
 
 
 def _unfound_warnings(dataset: xr.Dataset) -> list[str]:
@@ -230,41 +240,3 @@ def _number(value: float, form: str) -> str:
 
 def _difference(dataset: xr.Dataset, what: str) -> FloatArray:
     return np.asarray(dataset[f"identified_{what}"] / dataset[f"eigen_{what}"] - 1)
-
-
-def _greatest(dataset: xr.Dataset, name: str) -> str:
-    return f"{float(np.abs(dataset[name]).max()):.1e}"
-
-
-def _residual(dataset: xr.Dataset) -> str:
-    values = dataset["residual_term"].values
-    low, high = values.min(), values.max()
-    return f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
-
-
-def _noise(of: Mapping[Any, Any]) -> str:
-    if not of["noise"]:
-        return "no noise"
-    return f"noise of {100 * of['noise']:g} % of the signal's root mean square, seed {of['seed']}"
-
-
-def _window(of: Mapping[Any, Any]) -> str:
-    rate = of["window_decay_rate"]
-    if not rate:
-        return f"none on the response, which decays to {of['left_at_the_end']:g}"
-    return (
-        f"exponential with {rate:.4g} 1/s on both, so that the response ends at "
-        f"{of['left_at_the_end']:g}; its damping is taken off the poles "
-        "identified, and by these off the receptance of frf.csv"
-    )
-
-
-def _transient(of: Mapping[Any, Any]) -> str:
-    if not of["simulates"]:
-        return "exact answer of the linear equations to the pulse, no error of time steps"
-    shift = (np.pi * of["bandwidth"] * of["step"]) ** 2 / 3
-    return (
-        f"Exudyn's nonlinear simulation by the trapezoidal rule in steps of "
-        f"{1e3 * of['step']:.4g} ms; the rule's shift of frequencies, {100 * shift:.2g} % at "
-        "the end of the band, is taken off"
-    )

@@ -465,7 +465,7 @@ def _lines(data: xr.Dataset) -> list[str]:
     lines = [f"peak driving power: {powers}"]
     if _NAMES[0] not in data:
         if not data.attrs.get("crank_speed_at_end", 1.0) and "shaft_rotation" not in data:
-            lines.append("residual vibration: none is seen without a dwell; give one in the drive")
+            lines.append("residual vibration: not computed without a dwell; give one in the drive")
         return lines
     for name in engines:
         own_values = data.sel(engine=name)

@@ -318,7 +318,11 @@ class Response(Result):
         trusted = representative(agreement, data)
         bending = Aspect(
             words.answer(data),
-            (*theory_lines(data.attrs), *words.check_lines(data), *words.load_lines(peaks, data)),
+            (
+                *words.check_tables(data),
+                words.force_table(peaks, data),
+                *theory_lines(data.attrs),
+            ),
             numbers=words.numbers(data),
         )
         known = Aspect(

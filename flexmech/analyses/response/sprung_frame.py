@@ -233,7 +233,9 @@ def _answer(numbers: Sequence[Quantity]) -> tuple[str, ...]:
     if not parts:
         return ()
     *before, last = parts
-    return (f"The frame {' and '.join(before)}; {last}." if before else f"Of the frame {last}.",)
+    if not before:
+        return (f"On its springs the frame stands still; {last}.",)
+    return (f"The frame {' and '.join(before)}; {last}.",)
 
 
 def _lines(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -245,8 +247,8 @@ def _lines(dataset: xr.Dataset) -> tuple[str, ...]:
         dataset["peak_floor_force"].values,
         strict=True,
     )
-    told = (f"{force:.4g} N by {floor:.4g} N ({engine})" for engine, force, floor in pairs)
+    told = (f"{force:.4g} N and {floor:.4g} N ({engine})" for engine, force, floor in pairs)
     return (
-        "frame: on springs; the greatest shaking force on it is answered on the floor: "
+        "frame: on springs; greatest shaking force and force on the floor: "
         f"{', '.join(told)}; joint forces and the shaking force are in ground axes",
     )

@@ -11,13 +11,13 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.details import details_table
 from flexmech.analyses.digits import MOST_DIGITS, Quantity, rounded
 from flexmech.analyses.response.agreement import (
     agreement_line,
     errors_of,
     errors_together,
     force_agreement_lines,
-    listed,
     peak_quantities,
 )
 from flexmech.analyses.response.path import path_words
@@ -88,6 +88,12 @@ def peak_table(
     return Table(title, headings, groups, text_columns=3)
 
 
+# Checks of a run: in words, with the printed unit and what a number is multiplied by.
+_CHECKS = {
+    "energy_error": ("energy gap over peak kinetic energy", "%", 100.0),
+    "constraint_drift": ("constraint drift", "m", 1.0),
+    "step": ("time step", "ms", 1e3),
+}
 # Causes of errors, in words.
 _CAUSES = {
     "step": "time step",
@@ -103,15 +109,25 @@ _OF_FORCES = {
 }
 
 
-def check_lines(dataset: xr.Dataset) -> tuple[Table | str, ...]:
-    """Report how far the run may be trusted: energy, constraints, and errors by their causes."""
-    energy = listed(dataset["energy_error"])
-    return (
-        f"energy balance: off by at most {energy} of the peak kinetic energy",
-        f"constraint drift: at most {listed(dataset['constraint_drift'], '{:.1e} m')}",
-        f"time step: {listed(dataset['step'], '{:.4g} s')}",
-        _error_table(dataset),
-    )
+def check_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
+    """How far the run may be trusted: energy, constraints, and errors by their causes."""
+    quantities = [
+        Quantity(words, factor * float(value), unit, of=str(engine))
+        for name, (words, unit, factor) in _CHECKS.items()
+        for engine, value in zip(dataset["engine"].values, dataset[name].values, strict=True)
+    ]
+    errors = errors_of(dataset)["peak_driving_torque"]
+    quantities += [
+        Quantity("peak driving torque", float(one), "N m", float(errors[n] * one), str(engine))
+        for n, (engine, one) in enumerate(
+            zip(dataset["engine"].values, dataset["peak_driving_torque"].values, strict=True)
+        )
+    ]
+    rigid = float(abs(dataset["rigid_driving_torque"]).max())
+    quantities.append(Quantity("peak driving torque", rigid, "N m", of="rigid links"))
+    band = float(dataset.attrs["force_band"])
+    quantities.append(Quantity("band of forces and torque", band, "Hz", of="elastic links"))
+    return (*details_table(quantities), _error_table(dataset))
 
 
 def _error_table(dataset: xr.Dataset) -> Table:
@@ -137,8 +153,8 @@ def _error_table(dataset: xr.Dataset) -> Table:
     )
 
 
-def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> tuple[Table | str, ...]:
-    """Report the peaks of the driving torque and the joint forces, next to rigid links'.
+def force_table(peaks: xr.Dataset, data: xr.Dataset) -> Table:
+    """Peaks of the joint forces, next to rigid links'.
 
     Parameters
     ----------
@@ -149,35 +165,21 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> tuple[Table | str, ...]:
 
     Returns
     -------
-    tuple of str or Table
+    Table
     """
-    engines, errors = [str(engine) for engine in data["engine"].values], errors_of(data)
-
-    def told(name: str) -> xr.DataArray:
-        own, error = peaks[name], errors[f"peak_{name}"] * peaks[name]
-        texts = np.vectorize(rounded, otypes=[object])(own.values, error.values)
-        return own.copy(data=texts)
-
-    force, torque = told("joint_force"), told("driving_torque")
-    rigid_torque = float(abs(data["rigid_driving_torque"]).max())
+    engines = [str(engine) for engine in data["engine"].values]
+    force = peaks["joint_force"]
+    error = errors_of(data)["peak_joint_force"] * force
+    texts = np.vectorize(rounded, otypes=[object])(force.values, error.values)
+    force = force.copy(data=texts)
     rigid_force = np.hypot(*np.moveaxis(data["rigid_joint_force"].values, -1, 0)).max(axis=0)
     sides = (data[name].values.tolist() for name in ("joint", "force_by", "force_on"))
     rows = (
         (*side, *force.isel(joint=number).values, f"{rigid_force[number]:.4g}")
         for number, side in enumerate(zip(*sides, strict=True))
     )
-    torques = (f"{own} N m ({name})" for own, name in zip(torque.values, engines, strict=True))
-    return (
-        f"forces and torque of elastic links count up to {data.attrs['force_band']:.4g} Hz, half "
-        "the lowest frequency at which the links vibrate along themselves",
-        f"peak driving torque: {', '.join(torques)}, {rigid_torque:.4g} N m (rigid links)",
-        Table(
-            "peak joint forces in N",
-            ("joint", "of", "on", *engines, "rigid links"),
-            (tuple(rows),),
-            text_columns=3,
-        ),
-    )
+    headings = ("joint", "of", "on", *engines, "rigid links")
+    return Table("peak joint forces in N", headings, (tuple(rows),), text_columns=3)
 
 
 def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
@@ -188,7 +190,7 @@ def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
         note = dataset.attrs.get("spectrogram_note")
         return [*lines, f"spectrogram: {note}"] if note else lines
     longer = "give a longer dwell" if "drive" in dataset.attrs else "ask for more --revolutions"
-    return [*lines, f"spectrogram: none, the run is too short for its window; {longer}"]
+    return [*lines, f"spectrogram: not drawn, the run is shorter than its window; {longer}"]
 
 
 def _crank(angle: float, start: float) -> tuple[float, int]:
@@ -273,8 +275,8 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
     decays = dataset.attrs.get("damped", True) or "drive" in dataset.attrs
     if not decays and dataset.attrs.get("start") != "periodic":
         lines.append(
-            "Without damping the starting vibration never decays: add damping, "
-            "or ask for --start periodic."
+            "Without damping the starting vibration never decays: add damping, or ask for --start "
+            "periodic."
         )
     return tuple(lines)
 

@@ -96,23 +96,23 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
     bands, ranges = _bands(data, first), _known_ranges(data)
     asked = [(float(data["crank_speed"][0]), float(data["crank_speed"][-1]))]
     within = ranges_text(ranges or asked, speed_unit(data))
-    lines = [f"No vibration is found to grow {within}."]
+    lines = [f"No growing vibration was found {within}."]
     if bands:
         many = "one band" if len(bands) == 1 else f"{len(bands)} bands"
         fastest = max(bands, key=_rate)
         lines = [
-            f"A vibration grows in {many} of speeds {within}, fastest at {_range(fastest)}, with "
+            f"Vibration grows in {many} {within}, fastest at {_range(fastest)}: "
             f"{_rate(fastest):.{_DIGITS}g} 1/s."
         ]
         ratios = [float(band["band_closing_damping_ratio"]) for band in bands]
         if np.isfinite(ratios).all():
-            closed = "it" if len(bands) == 1 else "all that were found"
+            closed = "it" if len(bands) == 1 else "all of them"
             lines.append(f"A damping ratio of {100 * max(ratios):.{_DIGITS}g} % closes {closed}.")
     elif bool(data["interrupted"][0]):
         growing = data["crank_speed"].values[data["unstable"].values[0] == YES]
         listed = ", ".join(speed_text(speed, speed_unit(data)) for speed in growing[:_MOST_ROWS])
         unit = speed_unit(data)
-        lines = [f"bands were not searched for; speeds that grow: {listed or 'none'} {unit}"]
+        lines = [f"bands were not sought; vibration grows at: {listed or 'none'} {unit}"]
     operating = _at_operating_speed(data, bands, ranges)
     return (*operating, *lines, *_missed(data, first), *_about(data))
 
@@ -125,11 +125,11 @@ def _at_operating_speed(
         name = speed_name(data, speed)
         inside = [band for band in bands if lies_in(data, [_ends(band)], speed)]
         if not lies_in(data, ranges, speed):
-            yield f"Whether {name} is stable is not known: nothing was computed about it."
+            yield f"Stability at {name} is unknown: nothing was computed near it."
         elif inside:
             yield f"{name} is unstable: it lies in the band of {_range(inside[0])}."
         else:
-            yield f"{name} is in no unstable band that was found."
+            yield f"{name} lies outside every unstable band found."
 
 
 def _missed(data: xr.Dataset, engine: str) -> Iterator[str]:
@@ -137,9 +137,9 @@ def _missed(data: xr.Dataset, engine: str) -> Iterator[str]:
     for step in _greatest_step(data, engine):
         unit = speed_unit(data)
         yield (
-            f"A band between two speeds that were solved for, at most {step:.2g} {unit} apart, can "
-            f"be missed, above all one with a mode above the lowest {data.sizes['multiplier'] // 2}"
-            ": smaller steps and more modes see more."
+            f"Speeds up to {step:.2g} {unit} apart were solved with the lowest "
+            f"{data.sizes['multiplier'] // 2} modes: smaller steps and more modes may show further "
+            "bands."
         )
 
 
@@ -148,17 +148,17 @@ def _about(data: xr.Dataset) -> Iterator[str]:
     level, distance = data.attrs["prestress"], float(data.attrs["motion_distance"])
     if level == "equilibrium":
         speed = speed_name(data, data["crank_speed"][-1])
-        far = f"not known at {speed} by linear equations"
+        far = f"is unknown to linear equations at {speed}"
         if math.isfinite(distance):
-            far = f"up to {100 * distance:.2g} % of its greatest deflection from it at {speed}"
+            far = f"departs from it by {100 * distance:.2g} % of its peak deflection at {speed}"
         yield (
-            f"These are vibrations about the quasi-static equilibrium; the periodic motion is {far}"
-            ", and about that, which --prestress trajectory finds, others may grow."
+            f"This is the stability of the quasi-static equilibrium; the periodic motion {far}: "
+            "check it by --prestress trajectory."
         )
     elif level != "trajectory":
         yield (
-            "These are vibrations about straight links; about the motion itself, which --prestress "
-            "trajectory finds, others may grow."
+            "This is the stability of straight links; check that of the motion itself by "
+            "--prestress trajectory."
         )
 
 
