@@ -109,6 +109,9 @@ WRONG: tuple[tuple[Callable[[], object], str], ...] = (
     (lambda: flexmech.moving_frequencies(ENGINE, [0.0], [0.0], modes=2.5), "modes"),
     (lambda: flexmech.moving_frequencies(ENGINE, [0.0], [0.0], prestress="some"), "axial"),
     (lambda: flexmech.moving_frequencies(ENGINE, [0.0], [0.0], modes=1).state("wet"), "dry"),
+    (lambda: flexmech.moving_frequencies(ENGINE, [0.0], [0.0], elements=4), "elements: an engine"),
+    (lambda: flexmech.hammer_test(ENGINE, 0.0, engine="exudyn"), "engine: an engine is given"),
+    (lambda: flexmech.hammer_test(ENGINE, 0.0, averages=0), "averages must be 1 or more"),
     (lambda: flexmech.stability(ENGINE, [20.0], against=([0.0], [1.0])), "against"),
     (lambda: flexmech.stability(ENGINE, [5e-324], modes=2), "crank speed"),
     (
