@@ -36,7 +36,7 @@ EXACT = 1e-9  # deg, between two ways to the same angle
 def in_state(mechanism, state):
     """Angles of coupler and rocker, and lengths, dry and in a state."""
     # Any point will do: the angles are asked for.
-    paths = coupler_paths(mechanism, TURN, CouplerPoint(0.0, 0.0), state)
+    paths = coupler_paths(mechanism, TURN, CouplerPoint(0.0, 0.0), environment=state)
     found = paths.dataset[["angle", "length"]]
     dry, wet = (found.isel(state=number).drop_vars("name") for number in (0, 1))
     return dry, wet

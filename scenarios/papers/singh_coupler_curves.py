@@ -171,7 +171,9 @@ def judged_pin(figure):
     """
     mechanism = neat_resin(figure)
     state = saturated(mechanism, rise_of(figure))
-    paths = coupler_paths(mechanism, TURN, CouplerPoint(0.0, 0.0), state).dataset["pin_position"]
+    paths = coupler_paths(mechanism, TURN, CouplerPoint(0.0, 0.0), environment=state).dataset[
+        "pin_position"
+    ]
     dry, wet = paths.sel(pin=PINS[figure]).transpose("state", "crank_angle", "component").values
     apart = max(float(np.hypot(*(dry - place).T).min()) for place in wet)
     moved, size = np.hypot(*(wet - dry).T).max(), np.ptp(dry, axis=0).max()

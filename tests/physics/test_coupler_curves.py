@@ -135,7 +135,7 @@ def test_angles_of_swollen_links_are_those_of_figures_3_and_4() -> None:
     mechanism = load_mechanism(example_model("neat_resin_figure_3"))
     wet = HygrothermalState(80.0, 0.07)
     turn = np.radians([0.0, 90.0, 180.0])
-    data = coupler_paths(mechanism, turn, CouplerPoint(0.0, 0.0), wet).dataset
+    data = coupler_paths(mechanism, turn, CouplerPoint(0.0, 0.0), environment=wet).dataset
     dry, swollen = data["angle"].values
     change = np.degrees(np.remainder(swollen - dry + np.pi, 2 * np.pi) - np.pi)
     found = change[[0, 2]].ravel()
@@ -159,7 +159,7 @@ REFUSED = {
     "along their last axis": lambda: coupler_sextic(CRANK_ROCKER, CouplerPoint(0.5, 1.0), 0.1),
     "write flexmech.CouplerPoint": lambda: coupler_paths(fourbar(), TURN, (0.033, 5.6)),
     "write flexmech.HygrothermalState": lambda: coupler_paths(
-        fourbar(), TURN, CouplerPoint(0.1, 0.0), (80, 0.07)
+        fourbar(), TURN, CouplerPoint(0.1, 0.0), environment=(80, 0.07)
     ),
     "read the file first": lambda: coupler_paths("models/steel_fourbar.toml", TURN),
     r"in rad .* np.radians": lambda: coupler_paths(fourbar(), range(0, 361, 30)),
