@@ -174,7 +174,7 @@ def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on() -> None:
     found = result.dataset
     assert np.isfinite(float(found["growth_rate"][0, 0]))
     assert "crank angle" in str(found["reason"][0, 1].item())
-    assert "148 rad/s is stable is not known" in result.summary().answer[0]
+    assert "148 rad/s is unknown" in result.summary().answer[0]
 
 
 def test_a_band_between_two_others_is_found_where_each_speed_asked_for_lies_in_one() -> None:

@@ -121,8 +121,8 @@ def test_choices_show_what_was_computed_for_them(page: Any) -> None:
     page.evaluate(NEXT_FRAME)
     assert page.get_attribute("#linkage .shape >> nth=1", "points") != shape
     page.click("#frequencies details summary")
-    page.click("#frequencies details th button >> nth=2")
-    cells = page.locator("#frequencies details tbody tr td:nth-child(3)").all_text_contents()
+    page.click("#frequencies th button >> nth=2")
+    cells = page.locator("#frequencies tbody tr td:nth-child(3)").all_text_contents()
     values = [float(text.split(" ")[0]) for text in cells]
     assert values == sorted(values)
 

@@ -69,7 +69,7 @@ def mean_size(values: FloatArray, place: FloatArray, exponent: float) -> float:
     Examples
     --------
     >>> angle = np.linspace(0.0, 2 * np.pi, 37)
-    >>> [round(mean_size(np.cos(angle - 0.02), angle, n), 4) for n in (2.0, np.inf)]
+    >>> [round(mean_size(np.cos(angle - 1.0), angle, n), 4) for n in (2.0, np.inf)]
     [0.7071, 1.0]
     """
     if exponent == GREATEST or len(place) < 2:
