@@ -279,7 +279,7 @@ class MeshOptions(EngineOptions, SpeedUnitOptions, EnvironmentOptions, ProgressO
         Estimated relative error by the mesh that is allowed, where --elements is left out.
 
         Each engine doubles its elements until it is met at the lowest speed, up to 32 on each link;
-        the error at higher speeds is told. Left out: the elements are kept.
+        the error at higher speeds is printed. Left out: the elements are kept.
     """
 
     modes: Annotated[int | None, typed.Plain("--modes", 1, MOST_MODES)] = None
@@ -664,13 +664,13 @@ class ResponseOptions(RunOptions, EngineOptions, ShaftOptions):
     Parameters
     ----------
     prestress : {"none", "axial", "equilibrium"}
-        Of the reference engine's equations and of the frequencies drawn into the spectrogram: as in
-        frequencies; at equilibrium the running links stretch by the square of their slopes.
+        Prestress of the reference engine's equations and of the frequencies beside the spectrogram,
+        as in frequencies; at equilibrium the running links stretch by the square of their slopes.
 
         ``none`` and ``axial`` are linear equations; so is ``equilibrium`` where links are bent
         without load: about the quasi-static equilibrium. Engines that simulate take no notice.
     shaping : Shaping, optional
-        An input shaper for a law that stops, whose run is told beside that of the plain law.
+        Input shaper for a law that stops; its run is reported beside that of the plain law.
     check_mesh : bool
         Repeat with twice the elements and compare.
     """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
@@ -17,6 +17,9 @@ from flexmech.cli.asking import ask, question, speeds_or_own
 from flexmech.cli.deliver import Output, mechanism_of
 from flexmech.crank_values import GREATEST
 from flexmech.errors import InputError, naming
+
+if TYPE_CHECKING:
+    from flexmech.arrays import LabelledProgress
 
 _LOCKED_ALONE = ("averages", "pulse", "noise", "seed", "grid")
 
@@ -72,7 +75,9 @@ def hammer(
     ask("running_hammer.running_hammer_test", *asked)
 
 
-def _universal_files(result: analyses.HammerTest, folder: Any, _: Any) -> Any:
+def _universal_files(
+    result: analyses.HammerTest, folder: Path, _: LabelledProgress | None
+) -> list[Path]:
     return result.save_uff(folder)
 
 

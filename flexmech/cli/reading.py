@@ -121,7 +121,9 @@ def _handed_on(together: Together) -> Callable[..., dict[str, Any]]:
             default = f"{default:g}"
         kind = inspect.Parameter.KEYWORD_ONLY
         shown.append(inspect.Parameter(name, kind, default=default, annotation=hints[name]))
-        text = " ".join(told[name][1].partition("\n\n")[0].replace("``", "").split())
+        # Docstrings are absent where Python leaves them out (python -OO): the help is empty then.
+        entry = told[name][1] if name in told else ""
+        text = " ".join(entry.partition("\n\n")[0].replace("``", "").split())
         what, _, left_out = text.partition(". ")
         text = f"{what.removesuffix('.')}{getattr(mark, 'how', '') or '.'}"
         helps.append(f"{name}\n    {f'{text} {left_out}'.strip()}")

@@ -356,7 +356,7 @@ def displaced_axis(
     q, rows = link.readings.with_slope_vectors(q), _rows_at(link, place)
     moved, turned = _read(rows, q)
     if link.readings.slope in link.vectors[1]:
-        # Of a slope vector, which is of unit length but for the strain.
+        # A slope vector has unit length but for the strain.
         return place + moved, np.arcsin(np.clip(turned, -1.0, 1.0))
     return _with_finite_chords(link.readings, place, rows, q)
 

@@ -59,9 +59,9 @@ CLOSE_UP_ROOM = 1.5
 # Above this extent in m a picture is in m, below it in mm, whose numbers have four digits at most.
 METRES = 10.0
 MARKS = {"crunode": "o", "cusp": "^"}
-# Of a dataset of paths, what holds places in m, and the height of a path on a page over others.
+# Variables of a dataset of paths that are places in m; height of a path on a page over others.
 _PLACES, PAGE_HEIGHT = ("position", "pin_position", "close_up", "framed"), 2.4
-# Of the name of a pin over its path, over the height of the first path.
+# Height of a pin's name over its path, in parts of the height of the first path.
 NAME_OVER = 0.03
 
 

@@ -443,7 +443,7 @@ def _words(dataset: xr.Dataset) -> str:
     return str(dataset["parameter"].attrs.get("long_name", "parameter"))
 
 
-# Of a figure on a wide and on a narrow page, where it is nearly square, in inches.
+# Height of a figure on a wide page, and on a narrow one, where it is nearly square, in inches.
 HEIGHT, NARROW_HEIGHT = 3.9, 3.2
 # Points are seen on it.
 FILL: Look = {"alpha": 0.22, "lw": 0}

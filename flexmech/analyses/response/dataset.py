@@ -121,7 +121,7 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
         run_up_time=request.drive.law_time,
         shaft=first.shaft,
         force_band=plan.band,
-        damped=int(any(link.damping.any() for link in first.links)),
+        damped=int(first.has_damped_links),
         start=request.start,
         spectrum_turns=turns,
         sizing_over="the last turn" if turns else "the run",

@@ -123,11 +123,6 @@ class ResponseRequest(ResponseOptions):
                 f"{self.duration:g} s; choose a longer one, or leave it out"
             )
 
-    @property
-    def ends_with_a_law(self) -> bool:
-        """Whether a law of motion tells when the run ends, and not the revolutions asked for."""
-        return isinstance(self.speed, Drive) and not self.speed.turns_on
-
     @cached_property
     def drive(self) -> Drive:
         """Motion of the crank, in rad/s."""

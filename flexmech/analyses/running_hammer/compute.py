@@ -346,7 +346,7 @@ class _RunningLinkage:
 
 def _running_linkage(engine: Engine, request: RunningHammerRequest) -> _RunningLinkage:
     """Linearize the running linkage, and make sure that an impact on it decays."""
-    if not any(link.damping.any() for link in engine.links):
+    if not engine.has_damped_links:
         raise InputError(
             "an undamped linkage answers at its resonances without bounds; give the links damping: "
             "--damping-ratio 0.5% (damping_ratio=0.005), or damping in the model file"

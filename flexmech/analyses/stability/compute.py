@@ -429,9 +429,8 @@ def _frequencies(engine: Engine, speed: float, prestress: Prestress, modes: int)
 
 def _settles(engine: Engine) -> bool:
     """Whether links settle on a periodic motion other than a steady equilibrium in their frames."""
-    damped = any(link.damping.any() for link in engine.links)
     turn = engine.mechanism.linkage.motion(2 * np.pi / ANGLES * np.arange(ANGLES), 1.0)
-    if not damped or engine.turns_as_one_body or is_constant_turn(engine, turn):
+    if not engine.has_damped_links or engine.turns_as_one_body or is_constant_turn(engine, turn):
         return False
     try:
         require_periodic_motion(engine)

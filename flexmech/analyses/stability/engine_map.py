@@ -123,8 +123,7 @@ class _EngineMap:
         self._by_ratio = LinkageSolver(
             by_ratio, request.prestress, request.modes, steps=request.steps, frame=request.frame
         )
-        damped = any(link.damping.any() for link in engine.links)
-        self._has_own_damping = request.damping_ratio is None and damped
+        self._has_own_damping = request.damping_ratio is None and engine.has_damped_links
         if request.damping_ratio is not None:
             self._solver = replace(self._by_ratio, damping=request.damping_ratio)
         elif self._has_own_damping:

@@ -156,8 +156,8 @@ class StressHistory:
         self._drive = drive
         self._prestress = prestress
         # Damping changes with the stress only where links are bowed.
-        damped = any(link.damping.any() for link in links)
-        self._damping_varies = damped and prestress == "equilibrium" and equilibrium_of is None
+        bowed = prestress == "equilibrium" and equilibrium_of is None
+        self._damping_varies = engine.has_damped_links and bowed
         self._damping = [
             basis.T @ link.damping @ basis for link, basis in zip(links, bases, strict=True)
         ]
