@@ -34,7 +34,8 @@ damped = {
     name: section.with_damping_ratio(RATIO, FREQUENCY) for name, section in plain.sections.items()
 }
 simulation = ExudynEngine(replace(plain, sections=damped), ELEMENTS)
-run = response(simulation, ConstantSpeed(SPEED), revolutions=4.0, samples=360, step=1e-4)
+settings = {"revolutions": 4.0, "samples": 360, "step": 1e-4, "start": "rigid"}
+run = response(simulation, ConstantSpeed(SPEED), **settings)
 data = run.dataset.isel(engine=0, time=slice(FIRST, None))
 
 comparisons, held = {}, {}

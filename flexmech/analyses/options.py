@@ -614,12 +614,14 @@ class RunOptions(
         Samples saved of each turn, or of each move of a law.
 
         At the final speed; of a law or table those of a move with its dwell.
-    start : {"rigid", "equilibrium", "periodic"}
-        rigid: undeformed links at the rigid motion's velocities; equilibrium: links bent
-        quasi-statically by the loads; periodic: on the periodic motion, under a motor settled.
+    start : {"rigid", "equilibrium", "periodic"}, optional
+        periodic: on the periodic motion, under a motor settled; rigid: a start-up from undeformed
+        links at the rigid motion's velocities; equilibrium: from links bent quasi-statically by the
+        loads. Left out: periodic at constant speed, rigid where no motion repeats itself (a run-up,
+        a law, a motor, a free shaft, a load over time).
 
-        Engines that simulate start at the nonlinear equilibrium; the periodic orbit is that of the
-        linear equations.
+        Without damping the periodic motion exists away from critical speeds. At prestress
+        ``equilibrium`` it is that of the nonlinear equations, else that of the linear ones.
     step : float, optional
         Time step: s unless a unit is given, as in "0.1 ms"; auto: halved until deflections hold
         still.
@@ -645,7 +647,7 @@ class RunOptions(
     ] = None
     revolutions: Annotated[float, typed.REVOLUTIONS] = 4.0
     samples: Annotated[int, typed.Plain("--samples", 8)] = 720
-    start: Annotated[choices.Start, typed.Plain("--start")] = "rigid"
+    start: Annotated[choices.Start | None, typed.Plain("--start")] = None
     _: KW_ONLY
     step: Annotated[float | None, typed.STEP] = field(default=None, repr=False)
     integrator: Annotated[choices.Integrator, typed.Plain("--integrator")] = "trapezoidal"

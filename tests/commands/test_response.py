@@ -13,6 +13,7 @@ from tests.support.command import MODELS
 from tests.support.journeys import Journey, tells
 
 ALUMINIUM = "models/aluminium_fourbar.toml"
+PACKER = MODELS.parent / "tests/data/packer.toml"
 WET = MODELS.parent / "tests/data/wet_four_bar.toml"
 SHORT = ("--revolutions", "0.1", "--elements", "2", "--samples", "720", "--no-plots")
 ONE = ("--engine", "reference", *SHORT)
@@ -32,7 +33,7 @@ PROBES = {
 @pytest.fixture(scope="module")
 def journey(tmp_path_factory):
     folder = tmp_path_factory.mktemp("response") / "out"
-    return Journey(folder, "response", ALUMINIUM, *ONE, "--speed", "20")
+    return Journey(folder, "response", ALUMINIUM, *ONE, "--speed", "20", "--start", "rigid")
 
 
 def test_the_table_holds_a_row_for_each_sample(journey):
@@ -96,6 +97,35 @@ def test_files_hold_what_was_printed_and_load_back(journey):
         assert values["time step", engine] == pytest.approx(step, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("words", "start"),
+    [
+        ((), "periodic"),
+        (("--start", "rigid"), "rigid"),
+        (("--run-up", "5 ms"), "rigid"),
+        (("--shaft", "free", "--revolutions", "0.1"), "rigid"),
+    ],
+)
+def test_a_linkage_at_constant_speed_runs_as_it_does_in_every_turn(tmp_path, words, start):
+    """A start-up is asked for, or taken where no motion repeats itself."""
+    turn = ("--speed", "1200 rpm", "--revolutions", "1", "--samples", "60", "--elements", "2")
+    asked = (*turn, "--engine", "reference", "--modes", "2", "--no-plots", *words)
+    journey = Journey(tmp_path / "out", "response", PACKER, *asked)
+    assert journey.result().dataset.attrs["start"] == start
+    bent = journey.table("response")["coupler_mid_deflection_m"]
+    begins_undeformed = abs(bent[0]) <= 1e-9 * np.abs(bent).max()
+    assert begins_undeformed == (start == "rigid")
+    if start == "periodic":
+        assert bent[-1] == pytest.approx(bent[0], abs=2e-3 * np.abs(bent).max())
+
+
+def test_a_start_up_is_offered_where_no_periodic_motion_is_found(command):
+    words = ("--engine", "reference", "--elements", "1", "--modes", "1", "--revolutions", "0.1")
+    ended = command("response", "models/neat_resin_figure_10.toml", *words, "--no-plots")
+    assert ended.exit_code == 1
+    assert "start rigid runs a start-up in place of the periodic motion" in ended.stderr
+
+
 def test_options_reach_the_run(tmp_path):
     words = (
         *("--revolutions", "0.01", "--step", "0.1 ms", "--run-up", "2 ms", "--check-mesh"),
@@ -117,7 +147,8 @@ def test_options_reach_the_run(tmp_path):
 
 def test_two_engines_run_and_agree(tmp_path):
     words = ("--speed", "20", "--revolutions", "0.03", "--elements", "4", "--samples", "120")
-    journey = Journey(tmp_path / "out", "response", ALUMINIUM, *words, "--no-plots")
+    words = (*words, "--start", "rigid", "--no-plots")
+    journey = Journey(tmp_path / "out", "response", ALUMINIUM, *words)
     found = journey.table("response")
     first, second = (found["engine"] == engine for engine in ("reference", "exudyn"))
     lines = [one for one in journey.said["details"]["lines"] if one.startswith("engines:")]
@@ -143,7 +174,7 @@ def test_a_clamped_link_alone_has_no_pins(command):
 
 
 def test_pictures_and_animations_are_those_asked_for(command, rough_pictures):
-    words = ("--speed", "20", "--engine", "reference", *SHORT[:-1])
+    words = ("--speed", "20", "--start", "rigid", "--engine", "reference", *SHORT[:-1])
     ended = command("response", ALUMINIUM, *words)
     drawn = [name.removesuffix(".png") for name in ended.files if name.endswith(".png")]
     first = ["forces", "motor_plane", "paths", "response"]

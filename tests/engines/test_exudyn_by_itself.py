@@ -29,7 +29,9 @@ from tests.support.mechanisms import case
 
 # Of the peak deflection: what a script and the program may differ by.
 SAME = 1e-6
-SHORT = ResponseRequest(ConstantSpeed(20.0), revolutions=0.025, step=np.pi / 10 / 720)
+SHORT = ResponseRequest(
+    ConstantSpeed(20.0), revolutions=0.025, step=np.pi / 10 / 720, start="rigid"
+)
 
 
 @pytest.mark.parametrize(
@@ -52,7 +54,7 @@ def test_frequencies_at_rest_are_exudyns_own(name: str, element: str, near: floa
     for degrees in (70.0, 200.0):
         drive = ConstantSpeed(1.0, start_angle=np.radians(degrees))
         engine = ExudynEngine(mechanism, 6, element, component_modes=False)
-        system = exudyn_system(engine, ResponseRequest(drive, 0.01, step=1e-3))
+        system = exudyn_system(engine, ResponseRequest(drive, 0.01, step=1e-3, start="rigid"))
         squares = np.sort(system.mbs.ComputeODE2Eigenvalues()[0])
         wanted = np.sqrt(squares[:4]) / (2 * np.pi)
         found = natural_frequencies(engine, np.radians(degrees), prestress="none", modes=4)

@@ -140,7 +140,7 @@ def test_bands_of_a_spectrum_are_those_of_the_whole_turn_however_short_the_run()
     over_turn = flexmech.natural_frequencies(engine, angles, 10.0, modes=3)
     for turns in (0.3, 1.0):
         asked = flexmech.analyses.ResponseRequest(
-            10.0, revolutions=turns, samples=90, modes=3, step=1e-3
+            10.0, revolutions=turns, samples=90, modes=3, step=1e-3, start="rigid"
         )
         data = flexmech.response(engine, asked).dataset
         for end, most in zip(ENDS, (over_turn.min(axis=0), over_turn.max(axis=0)), strict=True):

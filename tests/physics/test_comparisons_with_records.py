@@ -302,7 +302,9 @@ def test_of_12_records_without_crank_angle_10_give_their_damping_back():
 def test_nothing_but_the_noise_of_a_loaded_linkage_is_unexplained(name):
     """Weight, springs and loads; damping of 1.3e-5 s within 3 %."""
     engine = ReferenceEngine(load_mechanism(DATA / f"{name}.toml"), 3)
-    run = response(engine, ResponseRequest(ConstantSpeed(12.0), revolutions=2.0)).dataset
+    run = response(
+        engine, ResponseRequest(ConstantSpeed(12.0), revolutions=2.0, start="rigid")
+    ).dataset
     deflection = run["deflection"].sel(link="rod").values[0]
     white = np.random.default_rng(0).standard_normal(len(deflection))
     values = deflection + 0.01 * deflection.std() * white

@@ -252,7 +252,9 @@ def told(result) -> str:
 
 def test_a_run_counts_the_loss_at_the_first_frequency_and_says_so():
     engine = lossy()
-    request = flexmech.analyses.ResponseRequest(flexmech.ConstantSpeed(20.0), revolutions=0.05)
+    request = flexmech.analyses.ResponseRequest(
+        flexmech.ConstantSpeed(20.0), revolutions=0.05, start="rigid"
+    )
     result = flexmech.response(engine, request)
     turn = np.radians(np.arange(0.0, 360.0, 5.0))
     level = engine.prestress_at_rest
@@ -287,7 +289,9 @@ def test_periodic_motions_count_the_loss():
 
 def test_an_exported_system_counts_the_loss():
     engine = flexmech.ExudynEngine(lossy().mechanism, 1)
-    request = flexmech.analyses.ResponseRequest(flexmech.ConstantSpeed(20.0), 0.01, step=1e-4)
+    request = flexmech.analyses.ResponseRequest(
+        flexmech.ConstantSpeed(20.0), 0.01, step=1e-4, start="rigid"
+    )
     system = flexmech.exudyn_system(engine, request)
     assert "states no damping_frequency" in "".join(system.remarks)
     assert re.search(r"bendingDamping=[1-9]", system.script)
@@ -355,7 +359,9 @@ def test_what_a_model_states_of_its_damping_is_left_alone(said: str) -> None:
     for head in heads:
         text = text.replace(head, f"{head}\n{said}")
     engine = flexmech.ReferenceEngine(mechanism_from_toml(text), 2)
-    request = flexmech.analyses.ResponseRequest(flexmech.ConstantSpeed(20.0), revolutions=0.02)
+    request = flexmech.analyses.ResponseRequest(
+        flexmech.ConstantSpeed(20.0), revolutions=0.02, start="rigid"
+    )
     assert not told(flexmech.response(engine, request))
 
 

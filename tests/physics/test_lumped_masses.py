@@ -209,6 +209,6 @@ def test_lumps_of_a_link_beside_its_pins_move_as_they_lie() -> None:
 
 def test_lumped_masses_are_for_frequencies_of_the_reference_engine_alone() -> None:
     with pytest.raises(InputError, match="lumped masses are for natural frequencies"):
-        response(LUMPED, ResponseRequest(ConstantSpeed(SPEED), revolutions=0.1))
+        response(LUMPED, ResponseRequest(ConstantSpeed(SPEED), revolutions=0.1, start="rigid"))
     with pytest.raises(InputError, match="mass of the exudyn engine"):
         ExudynEngine(STEEL, mass="lumped")

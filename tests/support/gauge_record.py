@@ -39,7 +39,7 @@ def damped(mechanism: Mechanism, **times: float) -> Mechanism:
 def history() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time, crank angle and coupler strain of three turns with 180 samples each."""
     engine = ENGINE.with_(mechanism=damped(ALUMINIUM, every=DAMPING_TIME))
-    request = ResponseRequest(ConstantSpeed(SPEED), revolutions=3.0, samples=180)
+    request = ResponseRequest(ConstantSpeed(SPEED), revolutions=3.0, samples=180, start="rigid")
     data = response(engine, request).dataset.isel(engine=0)
     strain = data["strain"].sel(link="coupler").values
     return data["time"].values, data["crank_angle"].values, strain

@@ -92,7 +92,7 @@ def stability() -> flexmech.StabilityMap:
 @functools.cache
 def response() -> flexmech.Response:
     request = flexmech.analyses.ResponseRequest(
-        20.0, revolutions=2.0, samples=120, modes=2, step=5e-4
+        20.0, revolutions=2.0, samples=120, modes=2, step=5e-4, start="rigid"
     )
     return flexmech.response(both(1e-5), request)
 
@@ -100,7 +100,7 @@ def response() -> flexmech.Response:
 @functools.cache
 def response_on_springs() -> flexmech.Response:
     request = flexmech.analyses.ResponseRequest(
-        20.0, revolutions=0.5, samples=120, modes=2, step=5e-4
+        20.0, revolutions=0.5, samples=120, modes=2, step=5e-4, start="rigid"
     )
     return flexmech.response(both(1e-5, frame=FRAME), request)
 

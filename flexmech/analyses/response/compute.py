@@ -32,7 +32,7 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.run import mesh_error, run_engine
 from flexmech.analyses.response.shaping import check_stops, with_shaped_law
-from flexmech.analyses.response.start import simulation_start
+from flexmech.analyses.response.start import or_a_start_up, simulation_start, with_usual_start
 from flexmech.arrays import FloatArray, silent
 from flexmech.dynamical_systems import ON_A_STEP
 from flexmech.dynamical_systems.fourier import FourierSeries
@@ -242,6 +242,7 @@ def response(mechanism: Engines, request: ResponseRequest) -> Response:
     engines, report = engines_of(mechanism, request), request.progress or silent
     request, environment = request.of(engines[0].mechanism), request.environment
     engines, request = with_motor(engines, request, environment)
+    asked, request = request, with_usual_start(engines, request)
     chosen, lines = engines_in_state(engines, request, environment)
     check_stops(chosen, request)
     with one_thread():
@@ -255,7 +256,8 @@ def response(mechanism: Engines, request: ResponseRequest) -> Response:
         elif isinstance(request.drive, MotorRun):
             known = known_until(request.drive, plan.until(request.step))
             request = replace(request, speed=known)
-        runs = [run_engine(engine, request, plan, report) for engine in chosen]
+        with or_a_start_up(asked, request):
+            runs = [run_engine(engine, request, plan, report) for engine in chosen]
         dataset = build_dataset(runs, request, plan)
         if request.check_mesh:
             add_mesh_errors(dataset, [mesh_error(run, request, plan, report) for run in runs])
@@ -310,6 +312,7 @@ def exudyn_system(mechanism: Engine | Mechanism, request: ResponseRequest) -> Ex
             "drive: an exported Exudyn system has no motor; give a crank speed or a law in its "
             "place, or run it by flexmech response"
         )
+    request = with_usual_start([engine], request)
     [chosen], _ = engines_in_state([engine], request, request.environment)
     with one_thread():
         loss = CountedLoss.of(chosen)

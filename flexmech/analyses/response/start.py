@@ -8,7 +8,8 @@ these a stiff link would have many times its tension, and would ring along itsel
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -19,10 +20,64 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import Prestress
 from flexmech.dynamical_systems import VibrationState
+from flexmech.errors import ComputationError, InputError
 from flexmech.linkages import Drive, Load, MotorRun, RigidMotion
 from flexmech.mechanics import COORDINATES, Engine, LinkFrames, RotationTerms
 from flexmech.mechanics.running import DrivenLinkage, FrameMotion, LinkState, static_balance
-from flexmech.solvers import nonlinear_orbit, periodic_state
+from flexmech.solvers import nonlinear_orbit, periodic_state, require_periodic_motion
+
+
+def with_usual_start(engines: Sequence[Engine], request: ResponseRequest) -> ResponseRequest:
+    """The request with the start of its run, where none is asked for.
+
+    How a linkage moves once it runs is asked for most: at constant speed that is the periodic
+    motion. Where no motion repeats itself every turn the links start undeformed.
+
+    Parameters
+    ----------
+    engines : sequence of Engine
+        All of one mechanism.
+    request : ResponseRequest
+
+    Returns
+    -------
+    ResponseRequest
+    """
+    if request.start is not None:
+        return request
+    drive = request.drive
+    repeats = drive.is_constant and drive.speed != 0
+    if not repeats or any(engine.shaft == "free" for engine in engines):
+        return replace(request, start="rigid")
+    try:
+        require_periodic_motion(engines[0])
+    except InputError:
+        return replace(request, start="rigid")
+    return replace(request, start="periodic")
+
+
+@contextmanager
+def or_a_start_up(asked: ResponseRequest, request: ResponseRequest) -> Iterator[None]:
+    """Name the other start where the periodic motion fails that nobody has asked for.
+
+    Parameters
+    ----------
+    asked : ResponseRequest
+    request : ResponseRequest
+        The same, with the start of its run.
+
+    Raises
+    ------
+    ComputationError
+    """
+    try:
+        yield
+    except ComputationError as error:
+        if asked.start is not None or request.start != "periodic":
+            raise
+        remedy = "; start rigid runs a start-up in place of the periodic motion"
+        raise ComputationError(error.message + remedy, crank_speed=error.crank_speed) from error
+
 
 # Each leaves of the stretch about the part by which the links have turned.
 _PASSES = 4

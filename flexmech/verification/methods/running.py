@@ -81,7 +81,9 @@ def running_deflection(
         In mm.
     """
     chosen = engine_of_name(engine, example(model), elements)
-    run = response(chosen, ConstantSpeed(crank_speed), revolutions=1, samples=SAMPLES)
+    run = response(
+        chosen, ConstantSpeed(crank_speed), revolutions=1, samples=SAMPLES, start="rigid"
+    )
     curve = np.asarray(run.dataset["deflection"].isel(engine=0).sel(link="coupler"))
     # A sample is a degree.
     return np.asarray(1e3 * curve[: most + 1 : every])
