@@ -18,6 +18,7 @@ from flexmech.solvers.periodic_motion import NonlinearOrbit, nonlinear_orbit
 from flexmech.solvers.runs import end_state, linear_run, simulator, step_lag
 from flexmech.solvers.sampled_turn import SampledTurn
 from flexmech.solvers.shooting import (
+    MotionsOfTurn,
     periodic_state,
     periodic_turn,
     quasi_static_turn,
@@ -29,6 +30,7 @@ __all__ = [
     "Formulation",
     "FreeAndForced",
     "Modes",
+    "MotionsOfTurn",
     "MovingModes",
     "NonlinearOrbit",
     "SampledTurn",

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import VibrationState, initial_state
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.mechanics.running.driven_linkage import DrivenLinkage, StaticExpansion
@@ -122,19 +123,69 @@ def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
     InputError, ComputationError
         As :func:`periodic_state`.
     """
-    blocks = list(_all_motions(linkage, steps))
-    start = _fixed_point(linkage, *_affine_map(blocks[-1][2][-1]))
-    # Each motion is the forced one plus what a unit of a coordinate at the start adds to it.
-    share = np.concatenate([[1 - start.sum()], start])
-    parts: list[list[FloatArray]] = [[] for _ in linkage.links]
-    for time, expansion, history in blocks:
-        motion = VibrationState(
-            history.position @ share, history.velocity @ share, history.acceleration @ share
+    return MotionsOfTurn.of(linkage, steps).periodic()
+
+
+@dataclass(frozen=True)
+class MotionsOfTurn:
+    """All motions of a linkage over a turn: the forced one from rest, and one of each coordinate.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    blocks : tuple of (ndarray, StaticExpansion, VibrationState)
+        As :func:`_all_motions` yields them.
+    monodromy : ndarray, shape (2 n, 2 n)
+    forced : ndarray, shape (2 n,)
+        State at the end of a turn that starts at zero.
+    """
+
+    linkage: DrivenLinkage
+    blocks: tuple[tuple[FloatArray, StaticExpansion, VibrationState], ...]
+    monodromy: FloatArray
+    forced: FloatArray
+
+    @classmethod
+    def of(cls, linkage: DrivenLinkage, steps: int) -> MotionsOfTurn:
+        """March through a turn; refuses as :func:`periodic_state`."""
+        blocks = tuple(_all_motions(linkage, steps))
+        return cls(linkage, blocks, *_affine_map(blocks[-1][2][-1]))
+
+    def free_vibrations(self) -> tuple[ComplexArray, FloatArray]:
+        """Logarithms of the Floquet multipliers, and the frequencies by which to know them.
+
+        A multiplier says by what part a vibration misses whole periods in a turn, and not of how
+        many: at the start of the turn its state ``(z, z')`` has the frequency
+        ``Im(z* M z') / z* M z``, as one of constant equations has.
+
+        Returns
+        -------
+        ndarray of complex, shape (2 n,)
+        ndarray, shape (2 n,)
+            In rad/s; negative of the conjugate of a vibration.
+        """
+        values, vectors = np.linalg.eig(self.monodromy.astype(complex))
+        position, velocity = np.split(vectors, 2)
+        mass = self.linkage.equations(np.zeros(1)).mass[0]
+        crossed, squared = (
+            np.einsum("ij,ij->j", position.conj(), mass @ other) for other in (velocity, position)
         )
-        moving = linkage.frames.link_motion(linkage.motion(time), *expansion.expanded(motion))
-        for states, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
-            states.append(q[:-1] @ basis.T)
-    return [np.concatenate(states) for states in parts]
+        return np.asarray(np.log(values)), np.asarray(crossed.imag / squared.real)
+
+    def periodic(self) -> list[FloatArray]:
+        """Displacement of the engine's links on the periodic motion; see :func:`periodic_turn`."""
+        linkage, start = self.linkage, _fixed_point(self.linkage, self.monodromy, self.forced)
+        # Each motion is the forced one plus what a unit of a coordinate at the start adds to it.
+        share = np.concatenate([[1 - start.sum()], start])
+        parts: list[list[FloatArray]] = [[] for _ in linkage.links]
+        for time, expansion, history in self.blocks:
+            motion = VibrationState(
+                history.position @ share, history.velocity @ share, history.acceleration @ share
+            )
+            moving = linkage.frames.link_motion(linkage.motion(time), *expansion.expanded(motion))
+            for states, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
+                states.append(q[:-1] @ basis.T)
+        return [np.concatenate(states) for states in parts]
 
 
 def quasi_static_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:

@@ -121,15 +121,20 @@ def _deviation(name: str, column: str, stored: Stored, numbers: Stored) -> str |
         return f"{before[wrong][0]!r} is {now[wrong][0]!r}" if wrong.any() else None
     tolerances = (looser for pattern, looser in LOOSER.items() if re.fullmatch(pattern, name))
     relative, of_the_greatest, absolute = next(tolerances, (RELATIVE, OF_THE_GREATEST, ABSOLUTE))
-    greatest = np.nanmax(np.abs(before), initial=0.0)
+    finite = np.isfinite(before) & np.isfinite(now)
+    greatest = np.max(np.abs(before), initial=0.0, where=np.isfinite(before))
     allowed = relative * np.abs(before) + of_the_greatest * greatest + absolute
     if "error" in column:
         # An error of round-off is of no size: a ten-millionth of the number itself counts as none.
         allowed += 1e-7 * np.abs(np.array(stored.get("value", np.zeros(len(before))), float))
-    apart = np.abs(now - before)
+    # An amplification without damping is infinite.
+    apart = np.full(now.shape, np.inf)
+    apart[finite] = np.abs(now[finite] - before[finite])
+    apart[before == now] = 0.0
     if column.endswith("angle_deg"):
         apart = np.minimum(apart, np.abs(360.0 - apart))
-    wrong = ~((apart <= allowed) | (np.isnan(now) & np.isnan(before)))
+    near = finite & (apart <= allowed)
+    wrong = ~(near | (before == now) | (np.isnan(now) & np.isnan(before)))
     if not wrong.any():
         return None
     row = int(np.argmax(np.where(wrong, np.nan_to_num(apart / allowed, nan=np.inf), 0.0)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.campbell.amplification import with_amplification
 from flexmech.analyses.campbell.crossings import CriticalSpeed
 from flexmech.analyses.campbell.engine_bands import EngineDiagram, Gap, engine_diagram
 from flexmech.analyses.campbell.request import CampbellRequest
@@ -26,6 +27,7 @@ from flexmech.analyses.datasets import (
     records,
     with_terms,
 )
+from flexmech.analyses.default_engines import engine_kind
 from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.options import CampbellOptions
 from flexmech.analyses.requests import Engines, as_many_modes, asks, engines_of
@@ -37,6 +39,7 @@ from flexmech.analyses.summary import (
     left_out_attributes,
 )
 from flexmech.arrays import IntArray, LabelledProgress, silent
+from flexmech.choices import MODES
 from flexmech.crank_values import CAMPBELL
 from flexmech.hygrothermal import mechanism_in_state
 from flexmech.mechanics import Engine
@@ -126,13 +129,17 @@ class CampbellDiagram(Result):
         return summary_of(self.dataset)
 
 
-def dataset_of(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> xr.Dataset:
+def dataset_of(
+    diagrams: Sequence[EngineDiagram], request: CampbellRequest, operating: Mapping[float, float]
+) -> xr.Dataset:
     """Join the diagrams of all engines, and label them.
 
     Parameters
     ----------
     diagrams : sequence of EngineDiagram
     request : CampbellRequest
+    operating : mapping of float to float
+        Amplification of the running linkage by the operating speed in rad/s.
 
     Returns
     -------
@@ -168,6 +175,8 @@ def dataset_of(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> x
         "check_speed": checked,
         "branch": np.arange(1, request.formulation.modes + 1),
         "order": request.orders,
+        "operating_speed": np.array(list(operating), dtype=float),
+        "operating_amplification": np.array(list(operating.values()), dtype=float),
     }
     critical = [(each.engine, found) for each in diagrams for found in each.critical]
     gaps = [(each.engine, gap) for each in diagrams for gap in each.gaps]
@@ -273,7 +282,17 @@ def _diagram(
             diagrams.append(engine_diagram(each, request, tolerance, count, unit))
             count.finish()
         flutter = _flutter(diagrams, request)
-    return dataset_of(diagrams, request).assign_attrs(flutter=flutter)
+        diagrams, operating = with_amplification(_linear_engine(engines), diagrams, request)
+    return dataset_of(diagrams, request, operating).assign_attrs(flutter=flutter)
+
+
+def _linear_engine(engines: Sequence[Engine]) -> Engine:
+    """The engine by whose linear equations the links run: the reference, where others simulate."""
+    for engine in engines:
+        if not engine.simulates:
+            return engine
+    reference = engine_kind("reference")
+    return reference(engines[0].mechanism, engines[0].elements).fit_for(MODES)
 
 
 def _flutter(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> str:

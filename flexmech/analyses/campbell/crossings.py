@@ -56,6 +56,12 @@ class CriticalSpeed:
     starts_inside, ends_inside : bool
         Whether the ray is inside the band already at the first speed, or still at the last one,
         of those with a solution.
+    amplification : float
+        By how much the running linkage is amplified in the range; infinite without damping, not a
+        number where it is not known.
+    resonance : float
+        Speed in the range in rad/s at which it is amplified most; not a number where that is not
+        known, or without damping.
     """
 
     order: int
@@ -65,6 +71,8 @@ class CriticalSpeed:
     gap: float = 0.0
     starts_inside: bool = False
     ends_inside: bool = False
+    amplification: float = np.nan
+    resonance: float = np.nan
 
 
 def ray(order: int | FloatArray, crank_speed: FloatArray | float) -> FloatArray:

@@ -62,6 +62,10 @@ class Critical:
         Whether the diagram begins or ends inside of the range, so that its own end is beyond.
     error : float
         Relative, of an end that is not cut.
+    amplification : float
+        Of the running linkage; infinite without damping, not a number where it is not known.
+    resonance : float
+        Speed in rad/s at which it is amplified most.
     """
 
     order: int
@@ -70,6 +74,8 @@ class Critical:
     end: float
     is_cut: tuple[bool, bool]
     error: float
+    amplification: float = math.nan
+    resonance: float = math.nan
 
     @property
     def end_errors(self) -> tuple[float, float]:
@@ -140,6 +146,8 @@ def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
         for name, end, error in ends:
             value, known = from_si(end, unit), abs(from_si(error, unit))
             found.append(Quantity(f"critical_speed_{name}", value, unit, known, of))
+        if math.isfinite(met.amplification):
+            found.append(Quantity("amplification", met.amplification, "", of=of))
     for speed in sorted(_computed_operating_speeds(data), key=abs)[-1:]:
         for branch in range(data.sizes["branch"]):
             bands, errors = _band_at(data, speed, branch)
@@ -245,18 +253,22 @@ def _critical_table(data: xr.Dataset) -> Table:
     if data["critical_starts_inside"].any() or data["critical_ends_inside"].any():
         captions.append("<, >: the order is inside the branch's band already or still there")
     headings = ["engine", "branch", "order", f"from {unit}", f"to {unit}"]
+    if not data["critical_amplification"].isnull().all():
+        headings += ["amplified", f"most at {unit}"]
+        captions.append("amplified: deflection of the running links over that without vibration")
     if (data["critical_gap"] > 0).any():
         headings.append("nearest")
         captions.append("nearest: the order meets the branch nowhere and is this far from it")
     return Table(
         f"critical speeds, {data.attrs.get('mechanism', '')}",
         tuple(headings),
-        tuple(tuple(row[: len(headings)] for row in group) for group in groups),
+        tuple(tuple(tuple(row[name] for name in headings) for row in group) for group in groups),
         caption="; ".join(captions),
     )
 
 
-def _row(critical: xr.Dataset, unit: str, error: float) -> tuple[str, ...]:
+def _row(critical: xr.Dataset, unit: str, error: float) -> dict[str, str]:
+    """A row of the table by its headings."""
     start, end = (
         _known(from_si(float(critical[f"critical_{end}"]), unit), error) for end in ("start", "end")
     )
@@ -266,8 +278,19 @@ def _row(critical: xr.Dataset, unit: str, error: float) -> tuple[str, ...]:
     else:
         start = f"< {start}" if bool(critical["critical_starts_inside"]) else start
         end = f"> {end}" if bool(critical["critical_ends_inside"]) else end
-    names = (str(critical[f"critical_{name}"].item()) for name in ("engine", "branch", "order"))
-    return (*names, start, end, nearest)
+    row = {name: str(critical[f"critical_{name}"].item()) for name in ("engine", "branch", "order")}
+    row |= {f"from {unit}": start, f"to {unit}": end, "nearest": nearest}
+    most = float(critical["critical_resonance"])
+    place = f"{from_si(most, unit):.4g}" if math.isfinite(most) else ""
+    amplified = _amplified_text(float(critical["critical_amplification"]))
+    return row | {"amplified": amplified, f"most at {unit}": place}
+
+
+def _amplified_text(amplification: float) -> str:
+    """An amplification in a table or a sentence; empty where it is not known."""
+    if math.isinf(amplification):
+        return "unbounded"
+    return f"{amplification:.2f}" if math.isfinite(amplification) else ""
 
 
 def _known(value: float, error: float) -> str:
@@ -329,11 +352,14 @@ def _critical(data: xr.Dataset) -> list[Critical]:
     met = data.isel(critical=np.flatnonzero(first & (data["critical_gap"] == 0)))
     columns = (
         met[f"critical_{name}"].values.tolist()
-        for name in ("order", "branch", "start", "end", "starts_inside", "ends_inside")
+        for name in (
+            *("order", "branch", "start", "end", "starts_inside", "ends_inside"),
+            *("amplification", "resonance"),
+        )
     )
     return [
-        Critical(order, branch, start, end, (before, after), _error(data, branch - 1))
-        for order, branch, start, end, before, after in zip(*columns, strict=True)
+        Critical(order, branch, start, end, (before, after), _error(data, branch - 1), *amplified)
+        for order, branch, start, end, before, after, *amplified in zip(*columns, strict=True)
     ]
 
 
@@ -363,8 +389,17 @@ def _at_speed(data: xr.Dataset, speed: float) -> str:
         listed = "; ".join(
             f"order {met.order} meets f{met.branch} at {_range(data, [met])}" for met in here
         )
-        return f"{name} is critical: {listed}; {first}."
-    return f"{name} is clear of {_orders_text(data)}; {first}{_nearest(data, speed)}."
+        return f"{name} is critical: {listed}; {first}{_amplified_at(data, speed)}."
+    near = _nearest(data, speed)
+    return f"{name} is clear of {_orders_text(data)}; {first}{near}{_amplified_at(data, speed)}."
+
+
+def _amplified_at(data: xr.Dataset, speed: float) -> str:
+    """By how much the running linkage is amplified at an operating speed; empty if not known."""
+    known = data["operating_amplification"].values[data["operating_speed"].values == speed]
+    if not len(known):
+        return ""
+    return f"; vibration amplifies the deflection {_amplified_text(float(known[0]))} times"
 
 
 def _at_others(data: xr.Dataset, speeds: list[float]) -> str:
@@ -440,10 +475,15 @@ def _speeds_to_avoid(data: xr.Dataset) -> str:
     if not groups:
         where = ranges_text(computed, unit)
         return f"No speed {where} is critical: {meet} no frequency{unknown}."
-    avoid = ", ".join(_range(data, group) for group in groups)
+    groups.sort(key=_worst, reverse=True)
+    avoid = ", ".join(_range(data, group) + _worst_text(group, unit) for group in groups)
     if len(groups) > _MOST_LISTED:
         avoid = f"{len(groups)} ranges of speed, {_range(data, met)}"
+        if worst := _worst_text(groups[0], unit):
+            avoid += f", above all {_range(data, groups[0])}{worst}"
     said = f"Avoid {avoid}: there {meet} a frequency"
+    if math.isinf(_worst(groups[0])):
+        said += ", and without damping the deflection is unbounded"
     ends = [(min(o.start for o in group), max(o.end for o in group)) for group in groups]
     clear = without(computed, ends)
     if not clear:
@@ -452,6 +492,20 @@ def _speeds_to_avoid(data: xr.Dataset) -> str:
     widest = max(clear, key=lambda ends: ends[1] - ends[0])
     first, last = (rounded(from_si(w, unit), abs(from_si(w, unit)) * error) for w in widest)
     return f"{said}; the widest range that is clear is {first} to {last} {unit}{unknown}."
+
+
+def _worst(group: list[Critical]) -> float:
+    """Greatest amplification of ranges that overlap; 0 where none is known."""
+    return max((one.amplification for one in group if one.amplification > 0), default=0.0)
+
+
+def _worst_text(group: list[Critical], unit: str) -> str:
+    """The greatest amplification of ranges that overlap and its speed; empty if not finite."""
+    worst = _worst(group)
+    if not 0 < worst < math.inf:
+        return ""
+    speed = next(one.resonance for one in group if one.amplification == worst)
+    return f" (amplified {_amplified_text(worst)} times at {from_si(speed, unit):.4g} {unit})"
 
 
 def _gaps(data: xr.Dataset) -> Iterator[str]:
