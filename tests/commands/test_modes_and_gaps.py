@@ -24,6 +24,7 @@ from flexmech import (
 
 BANDS = ["engine", "crank_speed_rad_s", "branch", "lowest_Hz", "mean_Hz", "highest_Hz"]
 CRITICAL = ["engine", "order", "branch", "from_rad_s", "to_rad_s", "nearest_relative_gap"]
+CRITICAL += ["amplification", "amplified_most_at_rad_s"]
 QUICK = ("--engine", "reference", "--modes", "2", "--elements", "2", "--no-plots", "--details")
 
 
