@@ -7,6 +7,7 @@ import math
 import re
 import sys
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -31,8 +32,24 @@ def test_a_new_file_is_its_template_but_for_the_name(kind, tmp_path):
     assert [line for line, other in lines if line != other] == ['name = "mine"']
     mechanism = flexmech.load_mechanism(file)
     assert mechanism.provenance.name == "mine"
-    damped = any(section.specific_damping for section in mechanism.sections.values())
-    assert any("undamped" in line for line in written) != damped
+    measured = any(section.specific_damping for section in mechanism.sections.values())
+    assert measured != any("An assumption where no damping is measured" in line for line in written)
+
+
+@pytest.mark.parametrize("kind", ["four-bar", "rotating-arm", "slider-crank", "planar"])
+def test_a_new_linkage_is_damped_and_runs_as_in_every_turn(kind, tmp_path):
+    """By 0.5 % of critical damping at its first natural frequency."""
+    file = tmp_path / "mine.toml"
+    assert new(kind, file).exit_code == 0
+    turn = ("--engine", "reference", "--elements", "2", "--modes", "2", "--revolutions", "1")
+    asked = ["response", str(file), *turn, "--out", str(tmp_path), "--no-plots"]
+    assert CliRunner().invoke(app, asked).exit_code == 0
+    run = flexmech.Response.load(tmp_path / "response.nc")
+    assert (run.dataset.attrs["start"], run.dataset.attrs["damped"]) == ("periodic", 1)
+    engine = flexmech.ReferenceEngine(flexmech.load_mechanism(file), 4)
+    first = flexmech.natural_frequencies(engine, np.radians([0, 90, 180, 270]), modes=1).mean()
+    times = [section.damping.bending for section in engine.mechanism.sections.values()]
+    assert np.pi * first * times[-1] == pytest.approx(0.005, rel=0.1)
 
 
 def test_an_example_keeps_its_name(tmp_path):
