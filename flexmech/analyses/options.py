@@ -394,8 +394,9 @@ class StrengthOptions(EngineOptions, EnvironmentOptions, SpeedUnitOptions, Progr
 class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
     """Counterweights that keep a linkage from shaking its frame, and what they cost.
 
-    On crank and follower of a four-bar, for a full balance of the shaking force or a compromise;
-    on the crank of a slider-crank. Writes the balanced model file too, as balanced.toml.
+    On crank and follower of a four-bar, for a compromise between shaking force, shaking moment and
+    driving torque, beside the full balance of the force as its limit; on the crank of a
+    slider-crank. Writes the balanced model file too, as balanced.toml.
 
     Parameters
     ----------
@@ -404,11 +405,13 @@ class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
 
         In ``speed_unit``, other than zero.
     weights : sequence of float, optional
-        Weights of shaking force, shaking moment and driving torque in a compromise. Left out: full
-        force balance of a four-bar, --share of a slider-crank.
+        Weights of shaking force, shaking moment and driving torque in a compromise. Left out: equal
+        ones for a four-bar, --share for a slider-crank.
 
         The sum of their mean squares over the crank angles, each over that of the linkage as
         given, is made least.
+    full : bool
+        Balance the whole shaking force of a four-bar, whatever moment and torque become.
     radii : float or sequence of float, optional
         Distance of the counterweights from the joints about which crank and follower rotate. Left
         out: half of each link's length.
@@ -433,6 +436,7 @@ class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
     speed: Annotated[float | None, typed.speed(GREATEST, turns=True)] = None
     _: KW_ONLY
     weights: Annotated[Sequence[float] | None, typed.WEIGHTS] = None
+    full: Annotated[bool, typed.Plain("--full")] = False
     radii: Annotated[float | Sequence[float] | None, typed.RADIUS] = None
     share: Annotated[float, typed.SHARE] = 0.5
     crank_angles: Annotated[FloatArray, typed.ANGLES] = field(default_factory=EVERY_DEGREE)
