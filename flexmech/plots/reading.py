@@ -207,7 +207,18 @@ def values_of(array: xr.DataArray, *order: str) -> FloatArray:
 
 
 def sizing(dataset: xr.Dataset, quantity: str, of: str) -> FloatArray:
-    """Numbers that size a part, such as ``("rms_torque", "shaft")``, shape (1,) or (engines, 1)."""
+    """Numbers that size motor or bearings, by one engine after the other.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    quantity, of : str
+        Such as ``rms_torque`` of ``shaft``.
+
+    Returns
+    -------
+    ndarray, shape (1,) or (engines, 1)
+    """
     wanted = (dataset["sizing_quantity"] == quantity) & (dataset["sizing_of"] == of)
     return np.asarray(dataset["sizing_value"].values[..., wanted.values], dtype=float)
 

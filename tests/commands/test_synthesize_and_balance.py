@@ -81,7 +81,7 @@ def test_designs_that_cannot_be_are_refused(words: str, named: str, remedy: str,
 @pytest.fixture(scope="module")
 def journey(tmp_path_factory: pytest.TempPathFactory) -> Journey:
     folder = tmp_path_factory.mktemp("balance") / "out"
-    words = ("--speed", "190 rpm", "--radius", "40 mm,60 mm", "--rigid", "--no-plots")
+    words = ("--speed", "190 rpm", "--radius", "40 mm,60 mm", "--full", "--rigid", "--no-plots")
     return Journey(folder, "balance", ALUMINIUM, *words)
 
 
