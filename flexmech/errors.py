@@ -172,8 +172,8 @@ def suggestion(got: str, known: Sequence[str]) -> str:
 def nearest(got: str, known: Sequence[str]) -> str:
     """The known word that is nearest to what was typed; empty where none is near.
 
-    Of the words that have most letters in common with it, the one with the fewest slips of the
-    keyboard.
+    It is the word with the fewest slips of the keyboard, among those that have most letters in
+    common with what was typed.
 
     Parameters
     ----------

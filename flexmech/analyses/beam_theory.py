@@ -21,7 +21,7 @@ from flexmech.mechanics.beams.restrained_ends import RestrainedEnds, restrained_
 from flexmech.sections import TWISTS, BeamSection, LaminateSection
 
 LINES, WARNINGS, REASON = "beam_theory", "beam_theory_warnings", "beam_theory_difference"
-# Theories from the coarsest on. Of the two that shear as a whole, either may be the closer one.
+# Theories from the coarsest on. Either of the two that shear as a whole may be the closer one.
 LEAVES_OUT_LESS = ("euler", "timoshenko", "reddy", "zigzag")
 SHEARS = {"timoshenko", "reddy"}
 LEFT_OUT = {

@@ -42,7 +42,7 @@ def rad_per_s(values: ArrayLike, unit: str | None, name: str = "crank_speeds") -
     Returns
     -------
     ndarray
-        Of the same shape.
+        Crank speeds in rad/s, of the shape of the input.
 
     Raises
     ------

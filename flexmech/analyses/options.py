@@ -92,7 +92,7 @@ class DeclaredOption:
     ----------
     mark : Typed, Plain or Together
     kinds : set of type
-        Of its values, but for None.
+        Types of its values, but for None.
     words : tuple of str
         Among which a value has to be; empty where it is no word.
     may_be_left_out : bool
@@ -221,7 +221,7 @@ class EngineOptions(ElementOptions):
     engine : {"reference", "exudyn", "both"}, optional
         Which engine computes; both stand side by side.
 
-        Of a mechanism; the reference engine if left out. An engine that is given in place of the
+        For a mechanism, the reference engine if left out; an engine that is given in place of the
         mechanism computes itself.
     """
 
@@ -237,7 +237,7 @@ class ElementsOptions(Options):
     elements : int, optional
         Elements on each link.
 
-        Of a mechanism, 8 if left out; an engine has its own.
+        For a mechanism, 8 if left out; an engine has its own.
     """
 
     elements: Annotated[int | None, typed.Plain("--elements", 1, MOST_ELEMENTS)] = None
@@ -254,7 +254,7 @@ class ShaftOptions(Options):
         that the constant speed takes, and its rotation is one more coordinate. Left out:
         prescribed, or free where a motor turns it.
 
-        Of all engines; left out: that of the engines.
+        Holds for all engines; left out, an engine keeps its own shaft.
     """
 
     shaft: Annotated[choices.ShaftChoice | None, typed.Plain("--shaft")] = None
@@ -274,7 +274,7 @@ class MeshOptions(EngineOptions, SpeedUnitOptions, EnvironmentOptions, ProgressO
         Elements on each link, whatever the tolerance. Left out: 8, doubled by each engine until its
         frequencies are within the tolerance, up to 32.
 
-        Of a mechanism; an engine has its own.
+        For a mechanism; an engine has its own.
     tolerance : float, optional
         Estimated relative error by the mesh that is allowed, where --elements is left out.
 
@@ -496,10 +496,10 @@ class FrequencyOptions(MapOptions, ShaftOptions):
         equilibrium: at the nonlinear quasi-static equilibrium; trajectory: in the states that the
         periodic motion runs through, beside the quasi-static ones.
     mass : {"distributed", "lumped"}, optional
-        distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve of a
-        four-bar. Of the reference engine; Exudyn keeps distributed mass.
+        distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve in a
+        four-bar. Only the reference engine lumps it; Exudyn keeps distributed mass.
 
-        Of a mechanism; an engine has its own.
+        For a mechanism; an engine has its own.
     shapes_at : array_like, optional
         Crank angles at which mode shapes are drawn, a picture each. Left out: the first of
         --angles.
@@ -693,7 +693,7 @@ class ForcedPointOptions(EngineOptions, ElementsOptions, DampingRatioOptions):
     response : LinkPoint, optional
         Where the displacement is measured. Left out: at the same place.
     direction : {"transverse", "axial"}
-        Of force and displacement: across the frame of the rigid link, or along it.
+        Direction of force and displacement: across the frame of the rigid link, or along it.
 
         In the frame of each point's link.
     bandwidth : float, optional
@@ -745,12 +745,12 @@ class HammerOptions(ForcedPointOptions, ProgressOptions):
     grid : int, optional
         Rove the impact over so many points of each link: mode shapes and MAC.
     seed : int
-        Of the noise: the same seed gives the same noise.
+        Seed of the noise: the same seed gives the same noise.
     engine : {"reference", "exudyn"}, optional
         exudyn: its nonlinear transient; reference: the exact answer of the linear equations, the
         only one with --running. Left out: exudyn, reference with --running.
 
-        Of a mechanism in Python the reference engine if left out.
+        For a mechanism in Python the reference engine if left out.
     modes : int
         Natural frequencies by which the bandwidth is chosen.
     method : {"lscf", "circle-fit"}, optional
@@ -837,7 +837,7 @@ class ComparisonOptions(EngineOptions, SpeedUnitOptions, ProgressOptions):
 class CouplerPathOptions(EnvironmentOptions):
     """Path of a point of the coupler or another link, dry, and in heat and moisture.
 
-    Of a four-bar's coupler with all crossings and cusps.
+    The coupler curve of a four-bar comes with all its crossings and cusps.
 
     Parameters
     ----------
@@ -853,7 +853,7 @@ class CouplerPathOptions(EnvironmentOptions):
     link : str
         Link that the point is on: the coupler, or any link of any linkage.
 
-        Of a chain of beams the first one counts.
+        In a chain of beams the first one counts.
     environment : HygrothermalState or Exposure, optional
         Compared with the dry linkage, if given. The path needs no modulus: above the wet glass
         transition of a resin it is drawn with a warning.
@@ -933,8 +933,8 @@ class CheckOptions(Options):
 class ReportOptions(MeshOptions):
     """One self-contained page in which the linkage turns, for a colleague without Python.
 
-    Of a model file: frequencies, Campbell diagram, deflection, sections, each with its error,
-    equation and source. Of a folder of results: what the other commands wrote there.
+    From a model file: frequencies, Campbell diagram, deflection, sections, each with its error,
+    equation and source. From a folder of results: what the other commands wrote there.
 
     Parameters
     ----------
@@ -946,7 +946,7 @@ class ReportOptions(MeshOptions):
     crank_angles : array_like, shape (A,)
         Crank angles.
 
-        Of the frequencies, increasing, in rad; a turn in steps of 5 degrees if left out.
+        For the frequencies, increasing, in rad; a turn in steps of 5 degrees if left out.
     include : tuple of str, optional
         What goes in, a comma list: frequencies, campbell, response, kinematics, coupler-curve,
         section, moisture. Left out: all that the model has; the coupler curve where it names a

@@ -52,7 +52,7 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
     Yields
     ------
     object
-        Of each item, in their order.
+        Answer for each item, in their order.
 
     Raises
     ------

@@ -133,7 +133,7 @@ def engines_of(
     Parameters
     ----------
     value : Engine, Mechanism or sequence of them
-        Of a mechanism the engines that are asked for are made.
+        A mechanism gets the engines that the options name.
     asked : Options, optional
         Where it has them: engine, element, elements, mass and shaft.
     modes : int, optional

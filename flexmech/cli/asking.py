@@ -123,7 +123,7 @@ def ask(
         What can be asked.
     model : path-like
     keywords : dict of str to object
-        Of the function, as typed; None where an option was left out.
+        Values of the function's keywords, as typed; None where an option was left out.
     output : Output
 
     Returns

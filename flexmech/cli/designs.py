@@ -42,7 +42,7 @@ def asked_campaign(
     Options
     -------
     seed
-        Of the samples. Left out: the study's.
+        Seed of the samples. Left out: the study's.
     engine
         That computes. Left out: the study's.
     workers
@@ -109,8 +109,8 @@ def report(
 ) -> None:
     """One self-contained page in which the linkage turns, for a colleague without Python.
 
-    Of a model file: frequencies, Campbell diagram, deflection, sections, each with its error,
-    equation and source. Of a folder of results: what the other commands wrote there.
+    From a model file: frequencies, Campbell diagram, deflection, sections, each with its error,
+    equation and source. From a folder of results: what the other commands wrote there.
 
     Options
     -------
@@ -169,8 +169,8 @@ def verify(
 ) -> None:
     """Verify this installation against published numbers, closed forms and other programs.
 
-    Of each case the number that is farthest off, with its source and tolerance; exit code 1 where
-    one fails.
+    Each case prints the number that is farthest off, with its source and tolerance; exit code 1
+    where one fails.
 
     Options
     -------

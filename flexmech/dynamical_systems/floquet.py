@@ -490,8 +490,8 @@ def krein_signature(shapes: NDArray[np.complex128]) -> FloatArray:
     Returns
     -------
     ndarray, shape (..., k)
-        Between -1 and 1; zero where the multiplier is not on the unit circle. Of modes that share
-        a multiplier it is that of the vectors given, not of the multiplier.
+        Between -1 and 1; zero where the multiplier is not on the unit circle. Modes that share a
+        multiplier have the signatures of the vectors given, not of the multiplier.
     """
     half = shapes.shape[-2] // 2
     y, p = shapes[..., :half, :], shapes[..., half:, :]

@@ -37,7 +37,7 @@ class PlyDamping:
     Parameters
     ----------
     longitudinal, transverse, shear : float
-        Of stress along the fibres, across them, and of shear.
+        Capacity under stress along the fibres, under stress across them, and under shear.
 
     Raises
     ------

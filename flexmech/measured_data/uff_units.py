@@ -374,7 +374,7 @@ def function_unit(dataset: Mapping[str, Any], units: UffUnits | None) -> Functio
         ]
     factor = 1.0
     for label, expected, size, power in terms:
-        # Of a ratio, such as a strain, data set 164 says nothing.
+        # For a ratio, such as a strain, data set 164 has no unit.
         told = units is not None and expected != ""
         if label is not None and label.unit != expected:
             problem = f"by its data type it is in {expected or 'no unit'}; correct one of the two"

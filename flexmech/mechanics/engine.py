@@ -739,7 +739,7 @@ def stressed_along_turn(
     Returns
     -------
     StressedLinks
-        Of all positions.
+        Stressed links at all positions.
 
     Raises
     ------

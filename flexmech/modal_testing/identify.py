@@ -102,7 +102,7 @@ def highest_near(
         return near
     found, _ = find_peaks(smooth[near])
     highest = near[found[np.argsort(-smooth[near][found], kind="stable")][:most]]
-    # Of two modes that make one peak, one has no height of its own.
+    # Where two modes make one peak, one has no height of its own.
     return np.unique(np.append(highest, np.argmin(abs(frequency - about))))
 
 

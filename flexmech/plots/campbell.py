@@ -50,9 +50,9 @@ def plot_campbell(dataset: xr.Dataset) -> Picture:
 
     Filled is a branch from its lowest to its highest frequency over the crank angles; the line in
     it is the mean. Grey rays are the orders, multiples of the crank's turns per second; the dark
-    part of a ray is inside a band: these are critical speeds. Hatched are speeds without a
-    result. Of further engines the bands' ends and means are dashed lines. The axis of frequencies
-    ends above the lowest band that no order reaches: those beyond it are named in the heading.
+    part of a ray is inside a band: these are critical speeds. Hatched are speeds without a result.
+    Further engines are dashed lines at the bands' ends and means. The axis of frequencies ends
+    above the lowest band that no order reaches: those beyond it are named in the heading.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def _bands_of(dataset: xr.Dataset, shown: list[int]) -> list[Curve]:
         edges = lowest[0, branch], highest[0, branch]
         band = {"color": color} | BAND
         bands.append(Curve(speed, edges[0], band, "lowest to highest", upto=edges[1]))
-        # Of a band without width or of a single speed the filling does not show.
+        # The filling of a band without width or of a single speed does not show.
         edge: Look = {"color": color, "lw": 0.5}
         bands += [Curve(speed, values, edge, followed=None) for values in edges]
     curves += bands

@@ -51,8 +51,8 @@ WHOLE_FRAME: Look = {"fc": "none", "ec": OUTLINE, "lw": 0.7}
 UNKNOWN_WIDTH = WHOLE_FRAME | {"ls": (0.0, (3.0, 2.0))}
 # A line of the words beside sections in inches: a third more than the height of their letters.
 LINE_INCHES = 0.13
-# Of the panel of sections: share of the width that sections have, the rest is for words; and height
-# of the scale bar with its own.
+# Panel of sections: the share of the width that sections have, the rest is for words; and the
+# height of the scale bar with its own.
 DRAWN, BAR_INCHES = 0.42, 0.32
 # Share of the width that sections have beside a posture: their words need a third of a page.
 BESIDE = 0.36
@@ -262,7 +262,7 @@ class _Stacks:
     Parameters
     ----------
     width, height : float
-        Of the panel in inches.
+        Size of the panel in inches.
     scale : float
         Millimetres an inch of the panel.
     rows : list of _Row

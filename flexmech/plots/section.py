@@ -53,8 +53,8 @@ PROFILES = (
 LAYERS_PANEL = 2
 PASCAL = {-3: "mPa", 0: "Pa", 3: "kPa", 6: "MPa", 9: "GPa"}
 
-# Of a link's two panels in inches, four of which fit a page; on a narrow page they stand under each
-# other, and six do.
+# Height of a link's two panels in inches, four of which fit a page; on a narrow page they stand
+# under each other, and six do.
 ROW_HEIGHT, NARROW_ROW_HEIGHT = 2.1, 1.6
 # Formulas beside the finite volumes, by the numbers of their styles.
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}

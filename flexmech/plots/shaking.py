@@ -17,7 +17,7 @@ from flexmech.plots.response import elastic_and_rigid, over_time
 
 # Room of an axis over the highest bar.
 ROOM = 1.05
-# Of two panels above each other, and of two beside each other, in inches.
+# Heights of two panels above each other, and of two beside each other, in inches.
 _STACKED, _BESIDE = 3.9, 2.3
 # Height of two rows of two panels in inches: four of them fit a page in one column.
 _HEIGHT = 4.0
@@ -62,7 +62,7 @@ def plot_shaking_force(dataset: xr.Dataset) -> Picture:
 def plot_running_shaking_force(dataset: xr.Dataset) -> Picture:
     """Draw shaking force and moment of the running mechanism against time.
 
-    Of each engine, and of rigid links (dark grey).
+    Every engine is drawn, and rigid links in dark grey.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def moment_point(dataset: xr.Dataset) -> str:
 def plot_balance(dataset: xr.Dataset) -> Picture:
     """Draw the shaking force's end point, its size, the shaking moment and the driving torque.
 
-    Of elastic links the size is drawn too, in paler lines.
+    With elastic links their size is drawn too, in paler lines.
 
     Parameters
     ----------

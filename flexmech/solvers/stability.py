@@ -385,7 +385,7 @@ class SolvedSpeed:
     buckled_angle : float or None
         A crank angle in rad at which the linkage is statically unstable.
     orbit_distance, orbit_residual : float or None
-        Of the periodic motion, with prestress ``trajectory``; see
+        Distance and residual of the periodic motion, with prestress ``trajectory``; see
         :class:`flexmech.solvers.NonlinearOrbit`.
     """
 

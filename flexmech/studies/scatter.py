@@ -117,8 +117,8 @@ class Scatter:
     ) -> FloatArray:
         """Relative errors of the percentiles and means of one design by the number of samples.
 
-        Of percentiles half of what lies between the ordered values one standard deviation of their
-        binomial count away on either side; points that are spread evenly are off by less.
+        For percentiles it is half of the distance between the ordered values one standard deviation
+        of their binomial count away on either side; points that are spread evenly are off by less.
 
         Parameters
         ----------

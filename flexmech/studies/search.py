@@ -322,7 +322,7 @@ def several_goals(search: Search) -> FloatArray:
         def _evaluate(self, x: FloatArray, out: dict[str, Any], *args: Any, **more: Any) -> None:
             del args, more
             goals, violation = search(designs(x))
-            # Of a design that fails no goal is known: it is farther off than any that does not.
+            # A design that fails has no known goal: it is farther off than any that does not fail.
             out["F"] = np.where(np.isfinite(goals), goals, np.finfo(np.float32).max)
             out["G"] = np.where(np.isfinite(violation), violation, np.finfo(np.float32).max)[
                 :, None

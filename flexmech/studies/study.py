@@ -235,7 +235,8 @@ class Study:
         Returns
         -------
         ndarray, shape (n, k)
-            Of texts their places in the list; the last variable changes fastest.
+            Values in SI units; texts by their places in the list. The last variable changes
+            fastest.
 
         Raises
         ------

@@ -191,7 +191,7 @@ def sobol_shares(
             return _estimates(first[..., sample], second[..., sample], mixed[..., sample])
 
         with np.errstate(invalid="ignore", divide="ignore"), warnings.catch_warnings():
-            # Of an input that changes nothing there is no interval: its share is zero.
+            # An input that changes nothing has no interval: its share is zero.
             warnings.simplefilter("ignore", scipy.stats.DegenerateDataWarning)
             interval = scipy.stats.bootstrap(
                 [np.arange(first.shape[1])],
@@ -520,7 +520,7 @@ def uncertainty_study(
         content={"samples": samples},
     )
     values = _complete(study, found)
-    # Of A and B: the designs of A_B repeat their numbers.
+    # Only A and B count: the designs of A_B repeat their numbers.
     independent = slice(0, samples if study.correlations else 2 * samples)
     own = Evaluated(
         found.values[independent], found.status[independent], found.reasons[independent]
@@ -563,7 +563,7 @@ def _designs(study: Study, inputs: list[str], samples: int) -> FloatArray:
             own[:, number] = second[:, number]
             mixed.append(own)
         points = np.concatenate([first, second, *mixed])
-    # Of what has one value any probability gives it.
+    # A variable of one value takes it at any probability.
     whole = np.full((len(points), len(study.variables)), 0.5)
     whole[:, [study.names.index(name) for name in inputs]] = points
     return study.at(whole)

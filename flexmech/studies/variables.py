@@ -151,7 +151,7 @@ class Variable:
         Returns
         -------
         ndarray
-            Of texts their places in the list.
+            Values in SI units; texts by their places in the list.
         """
         if self.distribution == "values":
             place = np.minimum(probability * len(self.numbers), len(self.numbers) - 1).astype(int)

@@ -116,7 +116,8 @@ class VerificationCase:
         Returns
         -------
         Outcome
-            Of a computation that fails, with the reason and no number.
+            Numbers with their errors; without a number, and with the reason, where the computation
+            fails.
         """
         nothing = np.full(1, np.nan)
         if self.lacking:

@@ -266,11 +266,11 @@ _SEARCHED = 1e-8
 def balance(mechanism: Mechanism | Engine, request: BalanceRequest) -> Balance:
     """Find counterweights on crank and follower that keep a linkage from shaking its frame.
 
-    Of a four-bar they make the centre of all masses stand still (Berkof and Lowen, Journal of
-    Engineering for Industry 91, 1969, 21-26), so that rigid links put no force of inertia on the
-    frame at any crank angle and speed. Of a slider-crank the counterweight of the crank balances
-    the rotating masses and a share of the reciprocating one. With weights the counterweights are a
-    compromise between shaking force, shaking moment and driving torque.
+    The counterweights of a four-bar make the centre of all masses stand still (Berkof and Lowen,
+    Journal of Engineering for Industry 91, 1969, 21-26), so that rigid links put no force of
+    inertia on the frame at any crank angle and speed. The counterweight on the crank of a
+    slider-crank balances the rotating masses and a share of the reciprocating one. With weights the
+    counterweights are a compromise between shaking force, shaking moment and driving torque.
 
     Parameters
     ----------
@@ -338,7 +338,8 @@ def counterweights(
     Returns
     -------
     tuple of Counterweight
-        Of the crank and, where there is one, of the follower; without mass where it gains nothing.
+        Counterweights of the crank and, where there is one, of the follower; without mass where it
+        gains nothing.
     str
         What they are for.
 

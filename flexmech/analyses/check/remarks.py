@@ -65,7 +65,8 @@ def turns_fully(linkage: Linkage) -> bool:
     Returns
     -------
     bool
-        Of a drawn linkage: whether it has no change point and assembles at all whole degrees.
+        True if the crank turns fully; for a drawn linkage, if it has no change point and assembles
+        at all whole degrees.
     """
     if isinstance(linkage, FourBar):
         return linkage.crank_turns_fully
@@ -163,7 +164,7 @@ def on_drive(mechanism: Mechanism, first: float | None) -> Iterator[str]:
 _LEAST_MODULUS, _MOST_MODULUS = 1e6, 1.1e12
 # Polymer foams, osmium.
 _LEAST_DENSITY, _MOST_DENSITY = 10.0, 2.3e4
-# Of longitudinal waves in a bar, m/s: rubber, diamond.
+# Speed of longitudinal waves in a bar, m/s: rubber, diamond.
 _LEAST_WAVE_SPEED, _MOST_WAVE_SPEED = 10.0, 1.9e4
 # Below it shear and the ends govern: a link is no beam. Above it its own weight bends it.
 _LEAST_SLENDERNESS, _MOST_SLENDERNESS = 5.0, 1000.0

@@ -109,7 +109,7 @@ def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
 def _allowed(dataset: xr.Dataset) -> FloatArray:
     """What the errors of two engines explain together, shape (speeds, angles, modes).
 
-    Of errors that are no small parts the product counts too.
+    Where errors are not small their product counts too.
     """
     error = error_of_model(dataset).transpose("engine", "crank_speed", "mode").values[:2]
     together = np.prod(1 + error, axis=0) - 1 + 10.0**-MOST_DECIMALS

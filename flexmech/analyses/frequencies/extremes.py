@@ -450,7 +450,7 @@ class _Brackets:
 
 def _steepest(angle: FloatArray, value: FloatArray) -> FloatArray:
     """Greatest slope of the steps between angles (k, ...) with values (k, ...), in size."""
-    # Of a single angle no slope is known, which is no number, and nothing to warn of.
+    # A single angle has no slope: not a number, and nothing to warn of.
     return np.asarray(np.fmax.reduce(np.abs(np.diff(value, axis=0) / np.diff(angle, axis=0))))
 
 

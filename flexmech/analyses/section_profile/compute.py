@@ -159,7 +159,7 @@ class SectionProfiles(Result):
     def figures(self) -> dict[str, Figure]:
         """Strain and stress through each laminate.
 
-        Of one material they are straight lines and a parabola, which a picture adds nothing to.
+        In a link of one material they are straight lines and a parabola: a picture adds nothing.
         """
         laminates = (
             link for link in self.links_with_layers if self.profile(link).sizes["layer"] > 1

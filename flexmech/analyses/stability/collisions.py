@@ -68,7 +68,7 @@ class Meeting:
     lower, upper : float
         The speeds in rad/s.
     lower_frequency, upper_frequency : tuple of float
-        Of modes a and b in Hz at these.
+        Frequencies of modes a and b at these speeds, in Hz.
     order : int
     decay : float
         Geometric mean of the rates in 1/s at which a and b die out by their damping: they grow

@@ -394,8 +394,8 @@ ANGLES = 36
 def _moving(engine: Engine, request: StabilityRequest) -> xr.Dataset:
     """Bands of the moving frequencies, without rotation terms, at nine of the speeds at most.
 
-    Those without equilibrium are left out. Of the modes asked for, or of as many as there are;
-    zero where the linkage is statically unstable.
+    Speeds without equilibrium are left out. Bands of the modes asked for, or of as many as there
+    are; zero where the linkage is statically unstable.
     """
     level: Prestress = "equilibrium" if request.prestress == "trajectory" else request.prestress
     speeds = request.crank_speeds

@@ -45,7 +45,7 @@ class Endurance:
         To failure; infinite where the endurance limit is stated and kept, not a number where it
         is not kept and no S-N line is known.
     amplitude, mean : ndarray, shape (k, N, 2)
-        Of the cycle from the greatest to the least stress, in Pa.
+        Amplitude and mean of the cycle from the greatest to the least stress, in Pa.
     cycles : ndarray, shape (k, N, 2)
         Counted in a turn; not a number where no S-N line asks for it.
     peak : ndarray of int, shape (k, N, 2)
@@ -188,7 +188,7 @@ def counted_cycles(history: FloatArray) -> tuple[FloatArray, FloatArray, FloatAr
     Returns
     -------
     amplitude, mean : ndarray, shape (n,)
-        Of each cycle, in Pa; those of round-off are left out.
+        Amplitude and mean of each cycle, in Pa; cycles of round-off are left out.
     count : ndarray, shape (n,)
         1 of a cycle, 1/2 of a half one.
     """
@@ -217,7 +217,7 @@ def _growth(fatigue: FatigueStrength, still: FloatArray, moving: FloatArray) -> 
     """
     use, lines = fatigue.use, fatigue.use_lines
     by_moving = use(moving.max(axis=0), moving.min(axis=0))
-    # Of a sum no more is used than of its parts: here at least all.
+    # The use by a sum is no more than that of its terms: here at least all.
     against = use(-still.min(axis=0), -still.max(axis=0))
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(by_moving > 0, (1 + against) / by_moving, 0.0)

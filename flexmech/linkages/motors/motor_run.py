@@ -282,7 +282,7 @@ def speed_range(time: FloatArray, speed: FloatArray) -> float:
 
     spline = CubicSpline(time, speed)
     extremes = spline.derivative().roots(extrapolate=False)
-    # Of a piece of constant speed SciPy gives its begin, and not a number for the rest of it.
+    # For a piece of constant speed SciPy gives its begin, and not a number for the rest of it.
     between = spline(extremes[np.isfinite(extremes)])
     return float(np.ptp(np.append(speed, between)))
 
@@ -420,7 +420,7 @@ class Stall:
 class MotorRun(Drive):
     """Motion of the rigid linkage under a motor: a drive as any other law of motion.
 
-    Of :func:`flexmech.motor_run`.
+    :func:`flexmech.motor_run` returns it.
 
     Parameters
     ----------
@@ -587,7 +587,7 @@ class MotorRun(Drive):
 class SettledRun(MotorRun):
     """Turns of a motion that repeats itself, from some crank angle on: a drive as any other.
 
-    Of :func:`repeated`.
+    :func:`repeated` returns it.
 
     Parameters
     ----------

@@ -185,8 +185,8 @@ class PlanarLinkage:
     def transmission_angles(self, crank_angle: ArrayLike) -> dict[str, FloatArray]:
         """Transmission angle at each joint that a dyad closes, between 0 and 90 degrees.
 
-        Between its two links, or between the link that pushes a slider and the normal of its line:
-        90 degrees less the pressure angle. Of bodies without a closed form there is none.
+        It lies between the two links, or between the link that pushes a slider and the normal of
+        its line: 90 degrees less the pressure angle. Bodies without a closed form have none.
 
         Parameters
         ----------

@@ -343,7 +343,7 @@ class RunningModel:
         Returns
         -------
         ItemNumber
-            Of the pin.
+            Number of the pin.
         """
         assembly, items = self.assembly, self.assembly.items
         name = f"clamp_{clamp.joint}"
