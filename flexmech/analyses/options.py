@@ -124,7 +124,7 @@ def declared_options(asked: Any) -> dict[str, DeclaredOption]:
 
 @dataclass(frozen=True, kw_only=True)
 class SpeedUnitOptions(Options):
-    """In which unit crank speeds are given and told.
+    """Unit of crank speeds, given and printed.
 
     Parameters
     ----------

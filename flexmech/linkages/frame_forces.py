@@ -230,9 +230,9 @@ class OneCouplerLinkage:
             "weld": topology.welds,
         }
         counts = {name: len(each) for name, each in parts.items()}
-        told = (f"{n} {name}{'s' * (n > 1)}" for name, n in counts.items() if n)
+        counted = (f"{n} {name}{'s' * (n > 1)}" for name, n in counts.items() if n)
         refusal = InputError(
-            f"{METHOD}, whose loop has one coupler; this linkage has {', '.join(told)}: the "
+            f"{METHOD}, whose loop has one coupler; this linkage has {', '.join(counted)}: the "
             "vectors that would have to vanish are others"
         )
         if tuple(counts.values()) not in (_FOUR_BAR, _SLIDER_CRANK):

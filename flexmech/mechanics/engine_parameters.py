@@ -1,4 +1,4 @@
-"""Parameters of the engines, what is refused of them, and the beam theory that they choose.
+"""Parameters of the engines, values that are refused, and the beam theory that they choose.
 
 The rotation of a free shaft is one more coordinate of the linkage. The frames of the links go on
 turning with the prescribed, mean motion. Against it the shaft turns by a small angle, which is the

@@ -149,7 +149,7 @@ class ExudynSystem:
         A Python script that makes the same system, solves it and prints deflections; it
         needs exudyn and numpy alone.
     remarks : tuple of str
-        What was chosen for it that the model leaves open.
+        Choices that the model leaves open.
 
     Examples
     --------

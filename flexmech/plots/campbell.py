@@ -99,7 +99,7 @@ def _shown_branches(dataset: xr.Dataset) -> list[int]:
 
 
 def _left_out(dataset: xr.Dataset, shown: list[int]) -> str:
-    """What the heading says of branches that lie above the axes."""
+    """Sentence of the heading on branches that lie above the axes."""
     names = [str(n) for n in dataset["branch"].values.tolist() if n not in shown]
     are = f"branch {names[0]} is" if len(names) == 1 else f"branches {', '.join(names)} are"
     return f"; {are} higher than orders reach" if names else ""

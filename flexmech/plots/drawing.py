@@ -58,7 +58,7 @@ class PlotFunction(Protocol):
 
 
 def figure(picture: Callable[[xr.Dataset], Picture]) -> PlotFunction:
-    """Make a function that says what is shown of a dataset one that draws it.
+    """Turn a function that selects what a picture shows into one that draws it.
 
     Parameters
     ----------

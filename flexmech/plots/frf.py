@@ -248,8 +248,8 @@ def _fitted(own: xr.Dataset) -> str:
         np.array([value]), PARAMETER_UNITS.get(unit, ((1.0, unit),))
     )
     digits = max(0, 1 - int(np.floor(np.log10(factor * half)))) if half > 0 else 4
-    told = f"{name.replace('_', ' ')} {factor * value:.{digits}f} ± {factor * half:.{digits}f}"
-    return told if read == "1" else f"{told} {read}"
+    text = f"{name.replace('_', ' ')} {factor * value:.{digits}f} ± {factor * half:.{digits}f}"
+    return text if read == "1" else f"{text} {read}"
 
 
 def _what(dataset: xr.Dataset) -> str:

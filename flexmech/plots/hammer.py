@@ -138,13 +138,13 @@ def plot_hammer(dataset: xr.Dataset) -> Picture:
 
 
 def _seen_until(time: FloatArray, response: FloatArray) -> float:
-    """Time up to which the waves of a response can be seen, and told from each other, in s."""
+    """Time up to which the waves of a response can be seen, and distinguished, in s."""
     size = np.abs(response)
     seen = int(np.flatnonzero(size >= LEAST_SEEN * size.max())[-1]) + 1
     crossings = np.flatnonzero(np.diff(np.signbit(response)))
     # Two crossings of zero are a wave.
-    told = int(crossings[2 * MOST_WAVES]) if crossings.size > 2 * MOST_WAVES else len(time) - 1
-    return float(time[min(seen, told, len(time) - 1)])
+    distinct = int(crossings[2 * MOST_WAVES]) if crossings.size > 2 * MOST_WAVES else len(time) - 1
+    return float(time[min(seen, distinct, len(time) - 1)])
 
 
 def plot_nyquist(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:

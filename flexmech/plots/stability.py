@@ -308,7 +308,7 @@ def _scale(
 
 # Height of an engine's panel in inches: two fill two thirds of a page.
 PANEL_HEIGHT = 2.9
-# Grows darker throughout, and begins where it is told from white.
+# Grows darker throughout, and begins where it is distinct from white.
 COLOURS = LinearSegmentedColormap.from_list(
     "growth", mpl.colormaps["YlOrBr"](np.linspace(0.15, 1.0, 256))
 )

@@ -358,7 +358,7 @@ def evaluate_all(
 
 
 def study_content(study: Study, count: int) -> dict[str, Any]:
-    """What a study is, in a form that a store keeps and compares.
+    """Content of a study, in a form that a store keeps and compares.
 
     Parameters
     ----------

@@ -107,8 +107,8 @@ class Scatter:
         for number in np.flatnonzero(np.isnan(values).any(axis=(1, 2))):
             sample = int(np.flatnonzero(status[number])[0])
             first[number] = status[number, sample]
-            told = found.reasons[number * self.samples + sample]
-            failed = f"{np.count_nonzero(status[number])} of {self.samples} samples: {told}"
+            reason = found.reasons[number * self.samples + sample]
+            failed = f"{np.count_nonzero(status[number])} of {self.samples} samples: {reason}"
             reasons[number] = one_line(failed, MOST_LETTERS)
         return Evaluated(self._statistics(values), first, reasons)
 

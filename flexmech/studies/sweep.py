@@ -22,7 +22,7 @@ from flexmech.mechanism import Mechanism
 from flexmech.studies.campaign import evaluate_all
 from flexmech.studies.outputs import Output
 from flexmech.studies.result import (
-    TOLD,
+    LEAST_ERROR,
     designs_dataset,
     designs_table,
     finer_errors,
@@ -96,11 +96,11 @@ class DesignSweep(Result):
         if best.sizes["design"]:
             first = best.isel(design=0)
             numbers = output_quantities(first, outputs)
-            told = ", ".join(f"{one.name} {one}" for one in numbers)
+            values = ", ".join(f"{one.name} {one}" for one in numbers)
             which = "The best" if first["within"] else "None does; the nearest"
-            lines.append(f"{which} is design {int(first['design'])}: {told}.")
+            lines.append(f"{which} is design {int(first['design'])}: {values}.")
             table = designs_in_words(best.isel(design=slice(ROWS)), data.attrs["mechanism"])
-            error = float(data["relative_error"].max(skipna=False).clip(min=TOLD))
+            error = float(data["relative_error"].max(skipna=False).clip(min=LEAST_ERROR))
         return Summary(
             tuple(lines),
             table,
@@ -115,10 +115,10 @@ def _near_lines(data: xr.Dataset) -> list[str]:
     near = near_a_limit(data)
     if not near:
         return []
-    told = ", ".join(map(str, near[:ROWS])) + (", ..." if len(near) > ROWS else "")
+    listed = ", ".join(map(str, near[:ROWS])) + (", ..." if len(near) > ROWS else "")
     return [
         "nearer to a limit than the outputs are known, so that a finer model may turn the verdict: "
-        f"design{'s' * (len(near) > 1)} {told}"
+        f"design{'s' * (len(near) > 1)} {listed}"
     ]
 
 

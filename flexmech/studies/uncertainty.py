@@ -37,7 +37,7 @@ from flexmech.studies.design import turn
 from flexmech.studies.evaluation import Evaluated, design_of, guarded
 from flexmech.studies.outputs import OF_FREQUENCIES, Output
 from flexmech.studies.result import (
-    TOLD,
+    LEAST_ERROR,
     designs_dataset,
     designs_table,
     finer_errors,
@@ -357,16 +357,18 @@ class Uncertainty(Result):
         for output in data["output"].values.tolist():
             own = data.sel(output=output)
             unit = data[output].attrs["shown_unit"]
-            told = {name: from_si(float(own[name]), unit) for name in ("mean", "std", *PERCENTILES)}
+            stats = {
+                name: from_si(float(own[name]), unit) for name in ("mean", "std", *PERCENTILES)
+            }
             error = from_si(float(own["median_error"]), unit)
-            median = Quantity("median", told["p50"], unit, error, output)
+            median = Quantity("median", stats["p50"], unit, error, output)
             numbers.append(median)
             failing = float(own["failure_probability"])
             rows.append(
-                (output, unit, *(f"{value:.4g}" for value in told.values()), f"{failing:.3g}")
+                (output, unit, *(f"{value:.4g}" for value in stats.values()), f"{failing:.3g}")
             )
             lines.append(
-                f"{output} is {told['p2_5']:.4g} to {told['p97_5']:.4g} {unit} in 95 % of the "
+                f"{output} is {stats['p2_5']:.4g} to {stats['p97_5']:.4g} {unit} in 95 % of the "
                 f"designs, its median {median}{_cause(own)}"
             )
         share = float(1 - data["within"].mean())
@@ -396,7 +398,7 @@ class Uncertainty(Result):
 def _trust(data: xr.Dataset, spread: float) -> str:
     """How far medians are known by the number of designs, and the outputs of one of them."""
     error = float(data["relative_error"].max(skipna=False))
-    model = f"each design to {percent(max(error, TOLD))}"
+    model = f"each design to {percent(max(error, LEAST_ERROR))}"
     if not np.isfinite(error):
         model = "errors of the designs themselves are not estimated"
     return (
@@ -429,13 +431,13 @@ def _share_lines(data: xr.Dataset) -> list[str]:
     lines = []
     for output in data["output"].values.tolist():
         own = data.sel(output=output)
-        told = ", ".join(
+        shares = ", ".join(
             f"{name} {float(own['total'].sel(input=name)):.2f} "
             f"({float(own['total_low'].sel(input=name)):.2f} to "
             f"{float(own['total_high'].sel(input=name)):.2f})"
             for name in data["input"].values.tolist()
         )
-        lines.append(f"total share in the variance of {output}: {told}")
+        lines.append(f"total share in the variance of {output}: {shares}")
     return lines
 
 
@@ -528,7 +530,7 @@ def uncertainty_study(
     dataset = designs_dataset(study, designs[independent], own)
     dataset = dataset.merge(_statistics(study, values[independent], dataset))
     dataset = dataset.assign(relative_error=_error_of_a_design(study, dataset, designs, executor))
-    worth = [f"{name} {study.outputs[name].told(v)}" for name, v in study.failure_values.items()]
+    worth = [f"{name} {study.outputs[name].text(v)}" for name, v in study.failure_values.items()]
     dataset = dataset.assign_attrs(failures_count_as=", ".join(worth))
     dataset = dataset.merge(frequency_bands(study, designs[independent]))
     if study.correlations:

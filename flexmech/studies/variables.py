@@ -110,7 +110,7 @@ class Variable:
         dimension = self.dimension
         return [quantity(float(each), dimension) for each in self.numbers]
 
-    def told(self, number: float) -> str:
+    def text(self, number: float) -> str:
         """A value in words: with its unit, or the text at a place in the list."""
         value = self.value(number)
         if isinstance(value, str):

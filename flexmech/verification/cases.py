@@ -175,7 +175,7 @@ class Outcome:
         return "passed" if bool(self.within.all()) else "failed"
 
 
-# In the order in which they are told.
+# In the order in which they are printed.
 _FILES = (
     "four_bars",
     "rotating_arm",

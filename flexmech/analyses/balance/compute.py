@@ -366,9 +366,9 @@ def counterweights(
         asked = request.weights, request.moment_point
         weighed = WeighedSum.of(mechanism, motion, links, *asked)
         moments = least_moments(weighed, linkage.balancing_moments(masses))
-        told = zip(WEIGHED, request.weights, strict=True)
+        weighted = zip(WEIGHED, request.weights, strict=True)
         remark = "a compromise with weights of " + ", ".join(
-            f"{weight:g} for {what}" for what, weight in told
+            f"{weight:g} for {what}" for what, weight in weighted
         )
     noise = _NOISE if request.weights is None else _SEARCHED
     largest = sum(mass.moment(0) * mass.length for mass in masses)

@@ -106,7 +106,7 @@ class ModelCheck(Result):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What an engineer would remark on: numbers that can be, and hardly are."""
+        """Remarks of an engineer on numbers that are possible but unusual."""
         return tuple(str(self.dataset.attrs.get("remarks", "")).splitlines())
 
     def figures(self) -> dict[str, Figure]:

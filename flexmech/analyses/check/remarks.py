@@ -173,7 +173,7 @@ _AS_DRAWN_AT = 0.1
 # In degrees; Alt's limits, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195.
 USUAL_TRANSMISSION_ANGLE = (40.0, 140.0)
 # Above that of machines, 10 or less, and below a slip of a unit: millimetres for centimetres are
-# told with links that differ by a factor of two.
+# decided with links that differ by a factor of two.
 _MOST_LENGTH_RATIO = 20.0
 # Part of the longest link: lengths are made as exactly as this.
 _NEARLY_IN_LINE = 1e-3
@@ -397,10 +397,10 @@ def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
     """On crank speeds against the first natural frequency, and its damping."""
     speed = max((abs(each) for each in mechanism.operating_speeds), default=0.0)
     turns, unit = speed / (2 * math.pi), mechanism.speed_unit
-    told = f"{from_si(speed, unit):.6g} {unit}"
+    speed_text = f"{from_si(speed, unit):.6g} {unit}"
     if turns > _MOST_SPEED_RATIO * first:
         yield (
-            f"operating speed {told} turns the crank {turns:.4g} times a second, the "
+            f"operating speed {speed_text} turns the crank {turns:.4g} times a second, the "
             f"first natural frequency is {first:.4g} Hz: below three times as much linkages ring "
             "and links may buckle; check the unit of the speed"
         )
@@ -411,7 +411,7 @@ def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
         strain = section.mass_per_length * (speed * link.length) ** 2 / section.axial_stiffness / 2
         if strain > _MOST_INERTIA_STRAIN:
             yield (
-                f"{link.name}: stretched by {100 * strain:.2g} % at {told} by its own "
+                f"{link.name}: stretched by {100 * strain:.2g} % at {speed_text} by its own "
                 "inertia, more than materials bear"
             )
     times = [section.damping.bending for section in mechanism.sections.values()]

@@ -219,10 +219,10 @@ def percent_range(values: xr.DataArray, error: float) -> str:
     places = MOST_DIGITS - 1 - math.floor(math.log10(size)) if size else 0
     known = math.isfinite(error) and error > 0
     places = max(min(places, decimals_of(100 * error)) if known else places, 0)
-    told = " to ".join(dict.fromkeys(f"{end:+.{places}f}" for end in ends))
+    percents = " to ".join(dict.fromkeys(f"{end:+.{places}f}" for end in ends))
     uncertain = f"{100 * error:.{places}f}"
     # A difference below the last printed place is no error.
-    return f"{told} % ± {uncertain} %" if known and float(uncertain) else f"{told} %"
+    return f"{percents} % ± {uncertain} %" if known and float(uncertain) else f"{percents} %"
 
 
 def speed_change(dataset: xr.Dataset, slow: int, fast: int) -> str:
@@ -330,7 +330,7 @@ def answer(
     fastest = int(np.argmax(np.abs(dataset["crank_speed"].values)))
     speed = float(dataset["crank_speed"][fastest])
     errors = errors_in_hertz(extremes, dataset)
-    told = []
+    changes = []
     for number, mode in enumerate(dataset["mode"].values[:_MOST_MODES].tolist()):
         ends = (
             rounded(
@@ -338,9 +338,9 @@ def answer(
             )
             for end in ("lowest", "highest")
         )
-        told.append(f"f{mode} is {' to '.join(dict.fromkeys(ends))} Hz")
+        changes.append(f"f{mode} is {' to '.join(dict.fromkeys(ends))} Hz")
     where = f"At {speed_text(speed, unit)} {unit}" if speed else "At rest"
-    lines = [*flutter_lines(dataset), f"{where} {', '.join(told)} over the crank angles."]
+    lines = [*flutter_lines(dataset), f"{where} {', '.join(changes)} over the crank angles."]
     slowest = int(np.argmin(np.abs(dataset["crank_speed"].values)))
     if slowest != fastest and dataset["engine"].size:
         slow = float(dataset["crank_speed"][slowest])

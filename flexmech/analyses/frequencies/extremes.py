@@ -322,8 +322,8 @@ def extremes_between(
 class _Brackets:
     """Three angles around each of b minima of t curves, and the values there.
 
-    What is not bracketed, a minimum at an end of the angles or between angles that are far apart,
-    has one angle three times.
+    An extreme that is not bracketed, a minimum at an end of the angles or between angles that are
+    far apart, has one angle three times.
 
     Parameters
     ----------

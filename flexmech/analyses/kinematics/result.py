@@ -27,7 +27,7 @@ _DETAILED = MOST_DIGITS + 1
 # Digits of the crank angle of an extreme: a tenth of a degree.
 _ANGLE_DIGITS = 4
 # Relative error of extremes: less is below the digits of all that is printed.
-_TOLD = 1e-6
+_LEAST_ERROR = 1e-6
 _MOTION_AND_FORCE = ("m/s", "at deg", "m/s²", "at deg", "N", "at deg")
 _MM, _PER_RADIAN = 1e3, DEGREES
 # The answer has so many sentences at most.
@@ -291,8 +291,8 @@ def _trust(data: xr.Dataset) -> str:
             "moved; links are rigid here"
         )
     # What is zero but for round-off has no relative error.
-    known = np.where(sizes > ROUND_OFF, error / sizes, 0.0)
-    return f"numbers are known to {percent(max(float(known.max()), _TOLD))}; links are rigid here"
+    known = max(float(np.where(sizes > ROUND_OFF, error / sizes, 0.0).max()), _LEAST_ERROR)
+    return f"numbers are known to {percent(known)}; links are rigid here"
 
 
 def _numbers(data: xr.Dataset, found: _Found) -> tuple[Quantity, ...]:

@@ -203,10 +203,10 @@ def _exposure(end: xr.Dataset) -> str:
     return _in_days(float(end["time"]), plain)
 
 
-def _in_days(seconds: float, told: Callable[[float], str]) -> str:
+def _in_days(seconds: float, written: Callable[[float], str]) -> str:
     """A time in days, or in hours where it is less than one."""
     unit, name = ("day", "d") if from_si(seconds, "day") >= 1 else ("hour", "h")
-    return f"{told(from_si(seconds, unit))} {name}"
+    return f"{written(from_si(seconds, unit))} {name}"
 
 
 # Profiles at these parts of the time, uptake at so many times evenly in its root, in which it

@@ -713,7 +713,7 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     Returns
     -------
     ExponentErrors
-        Not a number for what cannot be compared: beams that are softer buckle earlier, and modes
+        Not a number where nothing can be compared: beams that are softer buckle earlier, and modes
         that die out too fast within a turn have no multipliers.
     """
     coarse = solver.sampled_coarsely()

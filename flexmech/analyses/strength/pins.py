@@ -356,7 +356,7 @@ def _checks_of(mechanism: Mechanism, pin: JointPin) -> Iterator[PinCheck | LeftO
     ends = [end for end in topology.turning_ends[pin.joint] if end is not None]
     slides = any(slider.joint == pin.joint for slider in topology.sliders)
     if slides and _is_inside(topology, ends[0]):
-        # What its block does to the link and what its beams do to each other is not told apart.
+        # The forces of its block on the link and of its beams on each other are not separated.
         every: tuple[PinMode, ...] = ("bearing pressure", *BY_YIELD, "p v")
         yield LeftOut(pin.joint, every, INSIDE, ends[0].link)
         return

@@ -150,8 +150,8 @@ def _quantities(data: xr.Dataset, margins: list[Margin]) -> Iterator[Quantity]:
 
 def _notes(data: xr.Dataset) -> Iterator[str]:
     """How the numbers were found, and what was left out for want of data."""
-    notes, told = notes_of(__package__), {name: str(text) for name, text in data.attrs.items()}
-    source, modes = told["source_of_loads"], {*data.get("pin_mode", xr.DataArray("")).values.flat}
+    notes, attrs = notes_of(__package__), {name: str(text) for name, text in data.attrs.items()}
+    source, modes = attrs["source_of_loads"], {*data.get("pin_mode", xr.DataArray("")).values.flat}
     names = sorted({str(name) for name in data["criterion"].values.flat if str(name)})
     searched, runs = "searched_speed_factor" in data, source in _RUNS
     if names:
@@ -172,12 +172,12 @@ def _notes(data: xr.Dataset) -> Iterator[str]:
         if applies:
             yield notes[key]
     if runs:
-        yield notes["by run"].format(told["moment_gap"])
+        yield notes["by run"].format(attrs["moment_gap"])
     for name in (
         *("of_rigid_links", "environment_lines", "pin_checks_left_out", "fatigue_left_out"),
         CHOSEN_DAMPING,
     ):
-        yield from told.get(name, "").splitlines()
+        yield from attrs.get(name, "").splitlines()
     for name in (
         "cure_not_counted",
         "sliced",
@@ -185,8 +185,8 @@ def _notes(data: xr.Dataset) -> Iterator[str]:
         "pins_without_diameter",
         "search_note",
     ):
-        if told.get(name):
-            yield notes[name].format(told[name])
+        if attrs.get(name):
+            yield notes[name].format(attrs[name])
 
 
 def straight_line(data: xr.Dataset) -> str:
@@ -201,11 +201,11 @@ def straight_line(data: xr.Dataset) -> str:
     -------
     str
     """
-    told = ", ".join(
+    factors = ", ".join(
         f"{name} {_factor(one.load_factor)} ({_factor(one.speed_factor)})"
         for name, one in zip(margin_names(data), margins_of(data), strict=True)
     )
-    return f"if the links were rigid, load factor (and speed factor): {told}"
+    return f"if the links were rigid, load factor (and speed factor): {factors}"
 
 
 def _agreement(data: xr.Dataset) -> str:

@@ -1,6 +1,6 @@
 """Motors that turn the crank: torque curves and DC motors, speed control, gear, rotor, coupling.
 
-Everything of the motor is told on its own shaft; ``gear_ratio`` is how often that turns while the
+All quantities of the motor are on its own shaft; ``gear_ratio`` is how often that turns while the
 crank turns once. A DC motor obeys, with voltage u, current i and rotor speed w::
 
     L di/dt = u - R i - k w,    torque = k i

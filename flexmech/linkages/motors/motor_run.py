@@ -194,7 +194,7 @@ class TwistedShaft:
         return series.at(angle / TURN) / TURN**order
 
 
-# Angles turned through at which the motion is told.
+# Angles turned through at which the motion is sampled.
 _TURN: FloatArray = np.linspace(0.0, 2 * np.pi, 721)
 # Tolerance of the residual between the nodes, relative: mean speeds are within 1e-9 of those by
 # steps of 1e-11.
@@ -497,7 +497,7 @@ class MotorRun(Drive):
 
     @property
     def is_constant(self) -> bool:
-        """No: not even of a motor that does not start, whose torque is told."""
+        """No: a motor that does not start still has a torque."""
         return False
 
     @property

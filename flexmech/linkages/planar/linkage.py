@@ -56,7 +56,7 @@ class PlanarLinkage:
     ground : tuple of str
         Points that do not move. Links turn about them; the clamp is one of them.
     joints : tuple of PlanarJoint
-        What points do that are not pins; the clamp is one. Several clamps fix a frame of welded
+        Kinds of points that are not pins; the clamp is one. Several clamps fix a frame of welded
         links, which is stationary at every crank angle.
     drawn_at : float, optional
         Crank angle of the drawing in rad; that of the crank's first beam if left out.

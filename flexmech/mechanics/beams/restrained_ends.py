@@ -320,7 +320,7 @@ def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, Restr
     Returns
     -------
     section : BeamSection
-        With its twist free where the joints' part is told besides.
+        With its twist free where the joints' part is added.
     added : RestrainedEnds, optional
         None of links that are not between two joints, whose plies are along or across, whose
         stiffness is stated, or whose twist is stated to be free.

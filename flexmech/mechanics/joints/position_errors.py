@@ -13,7 +13,7 @@ from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linkages import RigidMotion
 
 LESS_LOADED = "{less_loaded}"
-"""Where an advice says what lowers the loads: the crank speed and what acts at rest, or that alone.
+"""Placeholder of an advice for the loads to lower: crank speed and loads at rest, or these alone.
 
 No crank speed is low enough for a linkage that its weight bends too far.
 """

@@ -176,7 +176,7 @@ def _away(sketch: LinkageSketch, place: FloatArray, *, held: bool) -> FloatArray
 
 
 def part_handles(sketch: LinkageSketch) -> list[Artist]:
-    """Legend entries of the parts that are not told by their symbols alone.
+    """Legend entries of the parts that their symbols alone do not identify.
 
     Parameters
     ----------
