@@ -185,7 +185,7 @@ class _Stream(io.FileIO):
             if self.fileno() == 1:
                 raise InputError(
                     f"stdout: cannot be written ({error.strerror}); files of this run are "
-                    "complete, only what it prints is missing"
+                    "complete, only the printed text is missing"
                 ) from error
             return memoryview(data).nbytes
 

@@ -79,7 +79,7 @@ def telling(model: object, speed_unit: str, record: object = None) -> Iterator[N
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise ComputationError(
             f"{model or 'the input'}: the computation breaks down ({error}); lengths, stiffnesses "
-            "or masses differ beyond all proportion, check their units"
+            "or masses differ too much in magnitude: check their units"
         ) from error
     except FlexmechError as error:
         printed = type(error)(error.in_unit(speed_unit))

@@ -232,8 +232,8 @@ class OneCouplerLinkage:
         counts = {name: len(each) for name, each in parts.items()}
         counted = (f"{n} {name}{'s' * (n > 1)}" for name, n in counts.items() if n)
         refusal = InputError(
-            f"{METHOD}, whose loop has one coupler; this linkage has {', '.join(counted)}: the "
-            "vectors that would have to vanish are others"
+            f"{METHOD}, whose loop has one coupler; this linkage has {', '.join(counted)}: "
+            "other vectors would have to vanish"
         )
         if tuple(counts.values()) not in (_FOUR_BAR, _SLIDER_CRANK):
             raise refusal

@@ -117,7 +117,7 @@ def _near_lines(data: xr.Dataset) -> list[str]:
         return []
     listed = ", ".join(map(str, near[:ROWS])) + (", ..." if len(near) > ROWS else "")
     return [
-        "nearer to a limit than the outputs are known, so that a finer model may turn the verdict: "
+        "nearer to a limit than its error, so that a finer model may turn the verdict: "
         f"design{'s' * (len(near) > 1)} {listed}"
     ]
 

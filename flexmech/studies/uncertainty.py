@@ -276,7 +276,7 @@ def poor_shares(data: xr.Dataset, samples: int) -> tuple[str, ...]:
     enough = 1 << math.ceil(math.log2(samples * (apart / _POOR) ** 2))
     return (
         f"{samples} samples are few: shares of the variance are known to {100 * apart:.0f} % of it "
-        f"alone, and their estimates may add up to more than all; take --samples {enough}",
+        f"only, and may add up to more than 100 %; take --samples {enough}",
     )
 
 
@@ -462,9 +462,9 @@ def runs_line(study: Study, samples: int | None = None) -> str:
     count, inputs = _SAMPLES if samples is None else samples, len(_inputs(study))
     check_power_of_two(count, "samples", least=8)
     if study.correlations:
-        return f"{count} designs are computed, of inputs that are correlated"
+        return f"{count} designs are computed for correlated inputs"
     return (
-        f"{count * (inputs + 2)} designs are computed: N (D + 2) of N = {count} samples and "
+        f"{count * (inputs + 2)} designs are computed: N (D + 2) for N = {count} samples and "
         f"D = {inputs} inputs"
     )
 

@@ -182,4 +182,4 @@ def harmonics_line(data: xr.Dataset, what: str = "shaking") -> str:
         if force[n] > _SHOWN * force.max() or moment[n] > _SHOWN * moment.max()
     ]
     listed = "; ".join(shown) or "none"
-    return f"{what} force and moment by order of the crank angle, greatest sizes: {listed}"
+    return f"{what} force and moment by order of the crank angle, greatest magnitudes: {listed}"

@@ -178,7 +178,7 @@ def _trust(data: xr.Dataset) -> str:
     names = data["quantity"].values.astype(str)
     elastic = np.char.startswith(names, "elastic")
     if not np.isfinite(data["greatest_error"].values).all():
-        rigid = "peaks of rigid links are those at the crank angles asked for"
+        rigid = "peaks of rigid links are those at the given crank angles"
     else:
         rigid = f"numbers of rigid links are known to {percent(_error(data, ~elastic))}"
     if not elastic.any():

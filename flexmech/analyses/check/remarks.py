@@ -122,7 +122,7 @@ def on_transmission(linkage: PlanarLinkage, least: float) -> Iterator[str]:
             yield (
                 f"joint {joint}: transmission angle {found:.4g} deg (pressure angle "
                 f"{90 - found:.4g} deg) at crank angle {math.degrees(_TURN[place]):.4g} deg is "
-                f"below {least:g} deg: large forces in the pins and little motion for them"
+                f"below {least:g} deg: joint forces are large for little motion"
             )
 
 
@@ -347,14 +347,14 @@ def _on_four_bar(linkage: FourBar, speeds: tuple[float, ...]) -> Iterator[str]:
         # It ends where coupler and rocker are in line: its transmission angle says no more.
         if speeds:
             yield (
-                f"the crank cannot turn fully ({linkage.grashof_class}), and operating speeds are "
+                f"the crank cannot turn fully ({linkage.grashof_class}), but operating speeds are "
                 "stated"
             )
     elif least < math.radians(low) or greatest > math.radians(high):
         found = " to ".join(f"{math.degrees(angle):.4g}" for angle in (least, greatest))
         yield (
-            f"transmission angle {found} deg leaves {low:g} to {high:g} deg: "
-            "large forces in the pins and little motion for them; see flexmech synthesize"
+            f"transmission angle {found} deg leaves the usual {low:g} to {high:g} deg: "
+            "joint forces are large for little motion; see flexmech synthesize"
         )
     lengths = sorted(linkage.lengths.values())
     if lengths[-1] > _MOST_LENGTH_RATIO * lengths[0]:

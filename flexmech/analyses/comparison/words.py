@@ -123,7 +123,7 @@ def _trust(data: xr.Dataset) -> str:
         intervals = f"the intervals are up to {widened:.3g} times wider than for white noise"
     lacks = "hat the model lacks may shift the values by more than that"
     if not order:
-        where = f"larger where the record tells most, so that {intervals}; w{lacks}"
+        where = f"larger where the record is most sensitive, so that {intervals}; w{lacks}"
         return f"the residual is {where}"
     return (
         f"the residual is no white noise (autoregressive of order {order}): the model lacks "

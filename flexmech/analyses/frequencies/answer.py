@@ -189,7 +189,7 @@ def _beyond_tolerance(apart: float, errors: Mapping[str, float], dataset: xr.Dat
     elements = int(dataset["elements"].sel(engine=coarser).max())
     return (
         f"; beyond the tolerance of {tolerance:.0e}, for which {coarser} needs more than the "
-        f"{elements} elements on a link that are taken unasked; trust {better}"
+        f"{elements} elements on a link that are the limit without --elements; trust {better}"
     )
 
 
@@ -285,10 +285,10 @@ def change_lines(change: xr.DataArray | None, error: xr.DataArray | None) -> lis
         f"{change_by_state(change, error, place)} (mode {mode})"
         for place, mode in enumerate(change["mode"].values)
     ]
-    lines = [f"against dry: {', '.join(ranges)}"]
+    lines = [f"change from dry: {', '.join(ranges)}"]
     if change.sizes["engine"] > 1:
         lines.append(
-            f"against dry: engines differ by at most {_apart(change):.1e} of the frequency"
+            f"change from dry: engines differ by at most {_apart(change):.1e} of the frequency"
         )
     return lines
 
@@ -346,10 +346,10 @@ def answer(
         slow = float(dataset["crank_speed"][slowest])
         name = f"{speed_text(slow, unit)} {unit}" if slow else "rest"
         moved = speed_change(dataset, slowest, fastest)
-        lines.append(f"Against {name} the speed changes f1 by {moved}.")
+        lines.append(f"Compared with {name}, the speed changes f1 by {moved}.")
     if change is not None and error is not None:
         moved = change_by_state(change, error, 0)
-        lines.append(f"Heat and moisture change f1 by {moved} against the dry linkage.")
+        lines.append(f"Compared with the dry linkage, heat and moisture change f1 by {moved}.")
     return lines
 
 

@@ -239,7 +239,7 @@ def _growth(fatigue: FatigueStrength, still: FloatArray, moving: FloatArray) -> 
     return np.asarray(np.where(too_much, 0.0, np.where(by_moving > 0, factor, np.inf)))
 
 
-COMPOSITES = "fatigue of composites is not judged"
+COMPOSITES = "fatigue of composite links is not judged"
 # Between crank angles: of a stress that turns with the crank, samples so far apart miss 3 % of the
 # peak.
 _WIDEST = np.radians(30.0)
@@ -304,9 +304,13 @@ class EnduringLinks:
         lines = [f"{COMPOSITES}: {', '.join(mixed)}"] if mixed else []
         if silent := [name for name in metal if name not in strengths]:
             names = ", ".join(silent)
-            lines.append(f"fatigue not judged, for [materials.NAME.fatigue] is missing: {names}")
+            lines.append(
+                f"fatigue is not judged, because [materials.NAME.fatigue] is missing: {names}"
+            )
         if strengths and (reason := _why_not_repeated(mechanism, request)):
-            return cls({}, {}, (*lines, f"fatigue not judged of {', '.join(strengths)}: {reason}"))
+            return cls(
+                {}, {}, (*lines, f"fatigue of {', '.join(strengths)} is not judged: {reason}")
+            )
         for own in strengths.values():
             check_counting(own)
         return cls({name: layers[name] for name in strengths}, strengths, tuple(lines))
@@ -412,7 +416,7 @@ def _only_material(layers: Layers) -> Material | None:
 def _why_not_repeated(mechanism: Mechanism, request: StrengthRequest) -> str:
     """Why loads do not repeat turn after turn; empty where they do."""
     if request.source == "transient":
-        return "a run that begins with straight links does not repeat; choose the source periodic"
+        return "a run that begins with straight links does not repeat; choose --source periodic"
     if request.source in ("quasi-static", "rigid") and not covers_a_turn(request.crank_angles):
         return "the crank angles do not cover a turn in steps of 30 deg at most"
     if timed := [load.name for load in mechanism.loads if load.over == "time"]:

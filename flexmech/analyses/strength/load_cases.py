@@ -109,7 +109,7 @@ def _bent(engine: Engine, motion: RigidMotion) -> DisplacedLinks:
     try:
         return DisplacedLinks.at_equilibrium(engine, motion)
     except ComputationError as error:
-        remedy = "; what they would bear if they stayed straight is asked for by the source rigid"
+        remedy = "; the source rigid gives the margins of links that stay straight"
         raise ComputationError(error.message + remedy, crank_speed=error.crank_speed) from error
 
 

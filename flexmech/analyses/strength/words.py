@@ -66,16 +66,17 @@ def _answer(data: xr.Dataset, margins: list[Margin]) -> tuple[str, ...]:
     first, names = margins[0], margin_names(data)
     load = first.load_factor
     if math.isinf(load):
-        return ("No part fails, however the loads rise: nothing grows towards failure.",)
+        return ("No part fails at any multiple of the loads: no stress grows towards failure.",)
     layer = _layer(data, first)
     place = f"{layer}, {first.where}" if layer else f"the {first.where}"
     at = plain(DEGREES * first.crank_angle)
-    how = f"{names[0]} fails first, by {first.mode} in {place}, crank at {at} deg"
+    subject = f"The {names[0]}" if first.kind != "pin" else f"P{names[0].removeprefix('p')}"
+    how = f"{subject} fails first, by {first.mode} in {place}, crank at {at} deg"
     if load == 0:
-        return (f"{how}: stresses of cure, heat or moisture alone break it.",)
+        return (f"{how}: stresses of cure, heat or moisture alone exceed its strength.",)
     factors = f"the loads may rise by a factor of {_factor(load)}"
     if load < 1:
-        factors = f"the loads must fall to {_factor(load)} of what they are"
+        factors = f"the loads must fall to {_factor(load)} of their values"
     speeds = np.array([one.speed_factor for one in margins])
     if not np.isnan(speeds).all() and math.isfinite(least := float(np.nanmin(speeds))):
         weakest = int(np.nanargmin(speeds))
@@ -86,7 +87,7 @@ def _answer(data: xr.Dataset, margins: list[Margin]) -> tuple[str, ...]:
     if math.isfinite(turns):
         speed = abs(float(data.attrs["crank_speed"]))
         hours = f", {turns * _HOURS / speed:.3g} h at this speed" if speed else ""
-        lasting = (f"As the loads are, it fails after {turns:.3g} turns{hours}.",)
+        lasting = (f"Under these loads it fails after {turns:.3g} turns{hours}.",)
     return (f"{how}: {factors}.", *lasting)
 
 
