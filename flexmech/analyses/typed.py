@@ -416,11 +416,12 @@ def asked_shaping(
         Run a law that stops shaped as well, beside the plain one: zv (zero vibration), zvd (zero
         vibration and derivative) or ei (extra insensitive).
     shaped_modes : tuple of int, optional
-        For which it is shaped, as in 1,2. Left out: those that ring by a tenth of the most or more.
+        Modes for which the law is shaped, as in 1,2. Left out: modes that ring by at least a tenth
+        of the greatest.
     shaped_for : {"end", "path"}
-        Whose frequencies count: end, where the crank stops; path, along its path.
+        Frequencies for which the law is shaped: end, where the crank stops; path, along its path.
     tolerated : float, optional
-        For ei: what it leaves at the frequency, over the plain law; 5% if left out.
+        For ei: residual vibration at the frequency over that by the plain law; 5% if left out.
     """
     if shaper is None:
         if shaped_modes is not None or shaped_for != "end" or tolerated is not None:

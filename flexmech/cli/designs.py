@@ -42,9 +42,9 @@ def asked_campaign(
     Options
     -------
     seed
-        Of the samples. Left out: the study's.
+        Seed of the samples. Left out: the study's.
     engine
-        That computes. Left out: the study's.
+        Engine that computes. Left out: the study's.
     workers
         Processes on this machine.
     cluster : ADDRESS
@@ -52,7 +52,7 @@ def asked_campaign(
     resume
         Go on with the designs that an interrupted run has kept in DIR/designs.zarr.
     force
-        Begin again where there are some.
+        Begin again where an earlier run kept designs.
     """
 
     def run(kind: type[Any], compute: Callable[..., Any], file: Path) -> None:
@@ -69,7 +69,7 @@ Run = Annotated[Callable[..., None], Together(asked_campaign)]
 
 
 def sweep(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
-    """Many designs of a linkage: every combination of a study's values, or a sample.
+    """Designs of a study: all combinations, or a sample.
 
     Options
     -------
@@ -80,12 +80,15 @@ def sweep(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
 
 
 def uncertainty(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
-    """How uncertain a linkage is whose properties are, and which of them makes it so.
+    """Uncertainty of a linkage by that of its properties.
+
+    With the share of each property in it.
 
     Options
     -------
     samples : N
-        A power of two, 1024 if left out; N (D + 2) designs are computed of D inputs.
+        Number N of samples, a power of two, 1024 if left out; N (D + 2) designs are computed
+        for D inputs.
     """
 
     def compute(own: studies.Study, **kept: Any) -> studies.Uncertainty:
@@ -96,7 +99,10 @@ def uncertainty(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
 
 
 def optimize(study: StudyPath, *, run: Run) -> None:
-    """The best design of a study by its goals, within its limits, confirmed by both engines."""
+    """Best design of a study by its goals, within its limits.
+
+    Both engines confirm it.
+    """
     run(studies.Optimum, studies.optimum_study, study)
 
 
@@ -107,10 +113,11 @@ def report(
     *,
     printing: options.AskedPrinting,
 ) -> None:
-    """One self-contained page in which the linkage turns, for a colleague without Python.
+    """Report: one HTML page in which the linkage turns.
 
-    Of a model file: frequencies, Campbell diagram, deflection, sections, each with its error,
-    equation and source. Of a folder of results: what the other commands wrote there.
+    The page needs no other file. From a model file: frequencies, Campbell diagram, deflection,
+    sections, each with its error, equation and source. From a folder of results: what the other
+    commands wrote there.
 
     Options
     -------
@@ -167,10 +174,10 @@ def report(
 def verify(
     thorough: Annotated[bool, Option("--thorough")] = False, *, output: options.AskedOptionalOutput
 ) -> None:
-    """Verify this installation against published numbers, closed forms and other programs.
+    """Verify this installation against published numbers.
 
-    Of each case the number that is farthest off, with its source and tolerance; exit code 1 where
-    one fails.
+    Closed forms and other programs are references too. Each case prints the number that is farthest
+    off, with its source and tolerance; exit code 1 where one fails.
 
     Options
     -------

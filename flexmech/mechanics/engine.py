@@ -549,7 +549,7 @@ class Engine(EngineParameters):
     ) -> StressedLinks:
         """Elastic tangent stiffness, internal forces and damping of displaced links.
 
-        What inertia does to bodies and rigid links that turn is not among them.
+        Effects of inertia on turning bodies and rigid links are not among them.
 
         Parameters
         ----------
@@ -739,7 +739,7 @@ def stressed_along_turn(
     Returns
     -------
     StressedLinks
-        Of all positions.
+        Stressed links at all positions.
 
     Raises
     ------

@@ -44,7 +44,8 @@ LAST_PASS = 1e-10
 # A change that is smaller than this and no longer falls is the round-off of an engine's solver.
 STAGNATED = 1e-8
 MAX_ITERATIONS = 40
-"""Of Newton's method in one load step: five do near an equilibrium; shortened steps take more."""
+"""Iterations of Newton's method in one load step: five do near an equilibrium; shortened steps take
+more."""
 LOAD_STEPS = (1, 5, 25)
 """Where all load at once leads nowhere, it is brought on in steps, swelling along with it.
 
@@ -276,7 +277,7 @@ def straight_forces(
     LinkForces
         Zero for rigid links.
     RigidGeometricStiffness or None
-        Of rigid links, hubs and sliders; None where there are none.
+        Stiffness of rigid links, hubs and sliders; None where there are none.
     """
     if not ties_beyond_pins(frames):
         still = mechanism.without_loads_over_time

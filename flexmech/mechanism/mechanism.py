@@ -187,7 +187,7 @@ class Mechanism:
         return topology
 
     def _unite_spellings(self) -> None:
-        """Keep what can be said in several ways in one, so that equal mechanisms compare so."""
+        """Keep equivalent entries in one form, so that equal mechanisms compare equal."""
         topology = self.linkage.topology
         links, joints = topology.link_names, topology.joint_names
         kept: dict[str, Any] = {

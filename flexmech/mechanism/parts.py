@@ -249,7 +249,7 @@ class JointPin:
         remedy = "give PinEye(link, thickness, width, edge_distance) in a tuple"
         eyes = checked_tuple(self.eyes, PinEye, f"{what}: eyes", remedy)
         links = [eye.link for eye in eyes]
-        # What can be said in several ways is kept in one, so that equal pins compare so.
+        # Equivalent entries are kept in one form, so that equal pins compare equal.
         known = sorted((eye for eye in eyes if eye != PinEye(eye.link)), key=lambda eye: eye.link)
         object.__setattr__(self, "eyes", tuple(known))
         for eye in eyes:

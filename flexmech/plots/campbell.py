@@ -99,7 +99,7 @@ def _shown_branches(dataset: xr.Dataset) -> list[int]:
 
 
 def _left_out(dataset: xr.Dataset, shown: list[int]) -> str:
-    """What the heading says of branches that lie above the axes."""
+    """Sentence of the heading on branches that lie above the axes."""
     names = [str(n) for n in dataset["branch"].values.tolist() if n not in shown]
     are = f"branch {names[0]} is" if len(names) == 1 else f"branches {', '.join(names)} are"
     return f"; {are} higher than orders reach" if names else ""
@@ -143,7 +143,7 @@ def _bands_of(dataset: xr.Dataset, shown: list[int]) -> list[Curve]:
         edges = lowest[0, branch], highest[0, branch]
         band = {"color": color} | BAND
         bands.append(Curve(speed, edges[0], band, "lowest to highest", upto=edges[1]))
-        # Of a band without width or of a single speed the filling does not show.
+        # The filling of a band without width or of a single speed does not show.
         edge: Look = {"color": color, "lw": 0.5}
         bands += [Curve(speed, values, edge, followed=None) for values in edges]
     curves += bands

@@ -52,7 +52,7 @@ MAGNITUDE: style.Look = {"color": "0.6", "lw": 2.2, "zorder": 1.5}
 
 TITLE = "Transmission angle over a turn of the crank"
 
-# Of two square panels beside each other, and of three, in inches: as high as they are wide.
+# Heights of two square panels beside each other, and of three, in inches: as high as they are wide.
 HEIGHT, HEIGHT_OF_THREE = 3.6, 2.45
 # Room of a close-up over the extent of the loops: what leads into them is seen on both
 # sides.

@@ -100,7 +100,7 @@ def grid(
                 start = 2 * column + (lacking if row == rows - 1 else 0)
                 axes.set_subplotspec(cells[row, start : start + 2])
                 if row == rows - 2:
-                    # Of the row below none stands in line, whose numbers could be read.
+                    # No panel stands in line below this one, whose numbers could be read.
                     axes.tick_params(labelbottom=True)
         return panels
 

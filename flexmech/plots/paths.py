@@ -24,8 +24,9 @@ _MM = 1e3
 def plot_paths(dataset: xr.Dataset) -> Picture:
     """Draw the path of the point that leaves its path most, and the deviations of points.
 
-    The path is that of the last turn, beside the one on rigid links (dark grey), with the deviation
-    enlarged. Of the first engine; of more points than there are styles, those that deviate most.
+    The path is that of the last turn by the first engine, beside the one on rigid links (dark
+    grey), with the deviation enlarged. Where there are more points than styles, those that deviate
+    most are drawn.
 
     Parameters
     ----------

@@ -174,7 +174,8 @@ class Pane:
     notes : sequence of Note
         A page leaves them out.
     x_limits, x_ticks : sequence of float
-        Of the axis along x, where that is of the pane alone; empty: as matplotlib chooses them.
+        Limits and ticks of the axis along x, where the pane has its own; empty: as matplotlib
+        chooses them.
     apart : {"", "number", "plane", "none"}
         What runs along x of a pane beside those of the picture, which a page leaves out: another
         number, a place in the plane, at one scale, or nothing.

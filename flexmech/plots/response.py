@@ -119,9 +119,10 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Under a law of motion the driving power stands below the torque.
 
     Forces are those of all joints, bearings included, as far as the run's band lets them through:
-    what the links vibrate along themselves is too fast to be told apart. Of each the magnitude and
-    both components are drawn, of more than two joints the magnitudes alone, so that a page holds
-    them. Beside them those of rigid links (dark grey). A periodic motion is drawn over one turn.
+    vibrations of the links along their length are too fast to be distinguished. At one or two
+    joints the magnitude and both components are drawn, at more the magnitudes alone, so that a page
+    holds them. Beside them stand the forces of rigid links (dark grey). A periodic motion is drawn
+    over one turn.
 
     Parameters
     ----------
@@ -245,7 +246,7 @@ SHAPED: Look = {"color": series_style(0).color, "lw": 1.1}
 def plot_shaped(dataset: xr.Dataset) -> Picture:
     """Draw the speed of the crank and the deflection of each link, by plain and by shaped law.
 
-    Of the first engine. A dotted line is where each law ends.
+    The first engine's run is drawn. A dotted line marks the end of each law.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from flexmech.plots.response import elastic_and_rigid, over_time
 
 # Room of an axis over the highest bar.
 ROOM = 1.05
-# Of two panels above each other, and of two beside each other, in inches.
+# Heights of two panels above each other, and of two beside each other, in inches.
 _STACKED, _BESIDE = 3.9, 2.3
 # Height of two rows of two panels in inches: four of them fit a page in one column.
 _HEIGHT = 4.0

@@ -211,7 +211,7 @@ def projected_values(
     ]
     missed = pencil.frames.independent(pencil.motion, response.displacements(left))
     size = np.linalg.norm(missed, axis=1, keepdims=True)
-    # Of a shape that misses nothing the response is zero, and stays without effect.
+    # A shape that misses nothing has the response zero, and stays without effect.
     missed = missed / np.where(size > 0, size, 1.0)
     # What forces the shapes ask for is known.
     forces = [
@@ -480,7 +480,7 @@ def converged_along(
     Returns
     -------
     CheckedModes
-        Of the checked positions.
+        Modes at the checked positions.
     """
     speed = np.broadcast_to(crank_speed, crank_angle.shape)
     if stressed is None:

@@ -31,7 +31,7 @@ class FrequencyNeeds(NamedTuple):
         In rad/s.
     prestress : {"none", "axial", "equilibrium"}
     angles, modes : int
-        Of how many.
+        Numbers of crank angles and of modes.
     """
 
     speed: float

@@ -341,7 +341,7 @@ class Output:
             return None
         return FrequencyNeeds(self.speed_of(design), self.prestress, self.angles, max(self.mode, 3))
 
-    def told(self, value: float, error: float = 0.0) -> str:
+    def text(self, value: float, error: float = 0.0) -> str:
         """A number of it with its unit, to the digits that its error leaves."""
         scale = from_si(1.0, self.shown_unit)
         return f"{rounded(value * scale, error * scale)} {self.shown_unit}".rstrip()

@@ -23,7 +23,7 @@ from flexmech.studies.campaign import evaluate_all
 from flexmech.studies.evaluation import governing
 from flexmech.studies.outputs import Output
 from flexmech.studies.result import (
-    TOLD,
+    LEAST_ERROR,
     designs_dataset,
     designs_table,
     finer_errors,
@@ -101,7 +101,7 @@ class DesignSweep(Result):
             which = which if first["within"] else "None does; the nearest is"
             lines.append(f"{which} design {int(first['design'])}: {outputs_text(numbers)}.")
             table = designs_in_words(best.isel(design=slice(ROWS)), data.attrs["mechanism"])
-            error = float(data["relative_error"].max(skipna=False).clip(min=TOLD))
+            error = float(data["relative_error"].max(skipna=False).clip(min=LEAST_ERROR))
         return Summary(
             tuple(lines),
             table,
@@ -116,10 +116,10 @@ def _near_lines(data: xr.Dataset) -> list[str]:
     near = near_a_limit(data)
     if not near:
         return []
-    told = ", ".join(map(str, near[:ROWS])) + (", ..." if len(near) > ROWS else "")
+    listed = ", ".join(map(str, near[:ROWS])) + (", ..." if len(near) > ROWS else "")
     return [
-        "nearer to a limit than the outputs are known, so that a finer model may turn the verdict: "
-        f"design{'s' * (len(near) > 1)} {told}"
+        "nearer to a limit than its error, so that a finer model may turn the verdict: "
+        f"design{'s' * (len(near) > 1)} {listed}"
     ]
 
 

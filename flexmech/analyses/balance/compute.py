@@ -342,7 +342,8 @@ def counterweights(
     Returns
     -------
     tuple of Counterweight
-        Of the crank and, where there is one, of the follower; without mass where it gains nothing.
+        Counterweights of the crank and, where there is one, of the follower; without mass where it
+        gains nothing.
     str
         What they are for.
 

@@ -21,7 +21,7 @@ _MM, _GRAM = 1e3, 1e3
 # Quantities of a counterweight, their units, and the factors from the SI units.
 _OF_COUNTERWEIGHTS = (("mass", "g", _GRAM), ("radius", "mm", _MM), ("angle", "deg", DEGREES))
 # Relative error of extremes, as of ``kinematics``: less is below the digits of all that is printed.
-_TOLD = 1e-6
+_LEAST_ERROR = 1e-6
 # Part of the elastic linkage's shaking force that is left, from which the balance misses its aim.
 _MISSED = 0.5
 # Mass of counterweights over the mass that moves without them: that of real ones is below three.
@@ -188,7 +188,7 @@ def _trust(data: xr.Dataset) -> str:
     names = data["quantity"].values.astype(str)
     elastic = np.char.startswith(names, "elastic")
     if not np.isfinite(data["greatest_error"].values).all():
-        rigid = "peaks of rigid links are those at the crank angles asked for"
+        rigid = "peaks of rigid links are those at the given crank angles"
     else:
         rigid = f"numbers of rigid links are known to {percent(_error(data, ~elastic))}"
     if not elastic.any():
@@ -205,7 +205,7 @@ def _error(data: xr.Dataset, some: NDArray[np.bool_]) -> float:
     """Greatest relative error of some quantities but of those that are round-off of the other."""
     value, error = (data[name].values[:, some] for name in ("greatest", "greatest_error"))
     there = value > ROUND_OFF * value.max(axis=0)
-    return max(float((error[there] / value[there]).max(initial=0.0)), _TOLD)
+    return max(float((error[there] / value[there]).max(initial=0.0)), _LEAST_ERROR)
 
 
 def _details(data: xr.Dataset) -> list[Table | str]:
@@ -222,9 +222,9 @@ def _details(data: xr.Dataset) -> list[Table | str]:
     if "order" in data:
         force = data["shaking_force_order"]
         # What round-off leaves of a balanced force has no harmonics.
-        told = data.assign(shaking_force_order=force.where(force > ROUND_OFF * force.max(), 0.0))
+        shaking = data.assign(shaking_force_order=force.where(force > ROUND_OFF * force.max(), 0.0))
         for state in data["state"].values.astype(str).tolist():
-            said.append(harmonics_line(told.sel(state=state), f"{state}: shaking"))
+            said.append(harmonics_line(shaking.sel(state=state), f"{state}: shaking"))
     return [*said, *notes_of(__package__).values()]
 
 

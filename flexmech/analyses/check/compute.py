@@ -106,7 +106,7 @@ class ModelCheck(Result):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What an engineer would remark on: numbers that can be, and hardly are."""
+        """Remarks of an engineer on numbers that are possible but unusual."""
         return tuple(str(self.dataset.attrs.get("remarks", "")).splitlines())
 
     def figures(self) -> dict[str, Figure]:
@@ -373,11 +373,11 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
         (joint, component), ``joint_mass`` (joint), ``point_mass`` and ``point_mass_position``
         (mass, component) where there are some, and ``path_position`` (path, component). Over the
         turn ``path`` (path, crank_angle, component) of the pins that move, an arm's tip and the
-        coupler point, and of a four-bar ``transmission_angle`` (crank_angle), not a number where
-        the linkage cannot stand, ``transmission_angle_limit`` and
-        ``usual_transmission_angle`` (limit). Of the sections
-        ``layer_low`` and ``layer_high`` in m, ``ply`` and ``ply_angle`` over (link, layer), and
-        ``stacking`` and ``direction_of_layers`` (link), along whose direction the faces count.
+        coupler point; for a four-bar ``transmission_angle`` (crank_angle), not a number where the
+        linkage cannot stand, ``transmission_angle_limit`` and ``usual_transmission_angle`` (limit).
+        For the sections ``layer_low`` and ``layer_high`` in m, ``ply`` and ``ply_angle`` over
+        (link, layer), and ``stacking`` and ``direction_of_layers`` (link), along whose direction
+        the faces count.
 
     Raises
     ------

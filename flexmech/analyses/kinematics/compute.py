@@ -44,7 +44,7 @@ from flexmech.mechanism import Mechanism, with_motor_run
 # Steps of a turn whose harmonics and means are given: orders alias into them from those beyond 700
 # alone.
 _HARMONIC_STEPS = 720
-# Of a move with its dwell, or of a turn after a run-up; and of a whole law.
+# Steps of a move with its dwell, or of a turn after a run-up; and most steps of a whole law.
 _STEPS_OF_A_CYCLE, _MOST_STEPS = 720, 20_000
 # Between two of these parts of a run a linkage and its loads have one extreme.
 _PARTS_OF_A_RUN = 720

@@ -86,7 +86,7 @@ class KinematicsRequest(KinematicsOptions):
     def of(self, mechanism: Mechanism) -> KinematicsRequest:
         """The request with the mechanism's own drive where no speed is asked for.
 
-        Of a motor with the motion that it gives the linkage of the mechanism.
+        A motor becomes the motion that it gives the linkage of the mechanism.
         """
         if self.speed is None and self.speed_unit is None and mechanism.drive is not None:
             return replace(self, speed=mechanism.drive).of(mechanism)

@@ -1,4 +1,4 @@
-"""A stability map in words: speeds at which a vibration grows, what calms it, how sure that is."""
+"""A stability map in words: speeds of growing vibration, damping that ends it, and confidence."""
 
 from __future__ import annotations
 
@@ -251,7 +251,7 @@ def _range(band: xr.Dataset) -> str:
 def _edges(band: xr.Dataset) -> tuple[str, str]:
     """Edges with the digits that their errors leave known; < and > where a band goes on.
 
-    Two edges are told from each other, too, however great their errors are.
+    Two edges also differ in the printed digits, however great their errors are.
     """
     scale = from_si(1.0, speed_unit(band))
     values = [scale * end for end in _ends(band)]

@@ -29,8 +29,8 @@ GRAVITY_COLOR = "0.5"
 THIN: Look = {"color": OUTLINE, "lw": 0.5}
 # Angle of the strokes of the driven shaft in rad: those of the ground below it lean alike.
 HATCH_ANGLE = np.radians(-135.0)
-# Turns of a spring between points and of one in a joint, as many as are told at its size, and share
-# of a spring that is straight at either end.
+# Turns of a spring between points and of one in a joint, as many as can be seen at its size, and
+# share of a spring that is straight at either end.
 COILS, SPIRAL_TURNS, STRAIGHT = 6, 2.0, 0.15
 
 
@@ -226,7 +226,7 @@ def _ground(what: str, ends: FloatArray, hatch: float) -> list[Symbol]:
 
 
 def block(place: FloatArray, line: float, half: float) -> Symbol:
-    """What slides on a line: a rectangle on it, of half a length and 0.6 times that in height.
+    """Block that slides on a line: a rectangle of half a length and 0.6 times that in height.
 
     Parameters
     ----------
@@ -471,7 +471,7 @@ def parts_of(dataset: xr.Dataset, positions: FloatArray, held: NDArray[np.bool_]
     """
     if "drawing" not in dataset.attrs:
         return _by_places(positions, held)
-    return _told(json.loads(dataset.attrs["drawing"]))
+    return _linkage_parts(json.loads(dataset.attrs["drawing"]))
 
 
 def drawn_posture(dataset: xr.Dataset) -> tuple[FloatArray, LinkageParts, float] | None:
@@ -486,16 +486,16 @@ def drawn_posture(dataset: xr.Dataset) -> tuple[FloatArray, LinkageParts, float]
     ndarray, shape (link, 2, 2), LinkageParts, float
         In m and rad; None where the attribute holds no posture.
     """
-    told = json.loads(dataset.attrs.get("drawing", "{}"))
-    if "posture" not in told:
+    drawing = json.loads(dataset.attrs.get("drawing", "{}"))
+    if "posture" not in drawing:
         return None
-    posture = told["posture"]
-    return np.array(posture["ends"]), _told(told), float(posture["crank_angle"])
+    posture = drawing["posture"]
+    return np.array(posture["ends"]), _linkage_parts(drawing), float(posture["crank_angle"])
 
 
-def _told(told: Part) -> LinkageParts:
-    rigid = np.array([link["rigid"] for link in told["links"]], dtype=bool)
-    others = {name: part for name, part in told.items() if name not in ("links", "posture")}
+def _linkage_parts(drawing: Part) -> LinkageParts:
+    rigid = np.array([link["rigid"] for link in drawing["links"]], dtype=bool)
+    others = {name: part for name, part in drawing.items() if name not in ("links", "posture")}
     if "gravity" in others:
         others["gravity"] = tuple(others["gravity"])
     return LinkageParts(rigid, **others)
