@@ -973,7 +973,10 @@ class ReportOptions(MeshOptions):
         None keeps the engines' elements.
     environment : HygrothermalState or Exposure, optional
         Heat and moisture: frequencies, responses and coupler curve are computed dry and in it,
-        Campbell diagram and sections in it.
+        Campbell diagram, sections and strength in it.
+    brief : bool
+        One screen and one sheet of A4: the moving linkage, deflection at the tool, stress and
+        safety factor, torque, bearing loads, speeds to avoid and mass.
     """
 
     crank_speeds: Annotated[
@@ -984,3 +987,4 @@ class ReportOptions(MeshOptions):
     include: Annotated[tuple[choices.ReportPart, ...] | None, typed.INCLUDE] = None
     campbell_speeds: Annotated[ArrayLike | None, typed.CAMPBELL_SPEEDS] = None
     tolerance: Annotated[float | None, typed.Plain("--tolerance")] = choices.TOLERANCE
+    brief: Annotated[bool, typed.Plain("--brief")] = False
