@@ -48,8 +48,11 @@ if TYPE_CHECKING:
     from flexmech.measured_data import MeasuredRecord
     from flexmech.mechanics import LinkPoint, RotationTerms
     from flexmech.modal_testing import IdentificationMethod
+    from flexmech.modelfile import CatalogueMotor
 else:  # Their rooms are imported where an analysis computes.
-    ArrayLike = CouplerPoint = Drive = Environment = FloatArray = IdentificationMethod = Any
+    ArrayLike = CatalogueMotor = CouplerPoint = Drive = Environment = FloatArray = (
+        IdentificationMethod
+    ) = Any
     LabelledProgress = LinkPoint = MeasuredRecord = MotorDrive = RotationTerms = Shaping = Any
 
 EVERY_DEGREE = partial(typed.radians, "0:360:1")
@@ -335,6 +338,12 @@ class KinematicsOptions(MomentPointOptions, SpeedUnitOptions):
         In rad/s^2, alpha2 of Kumar & Chandrakar's eqs. 1.35 to 1.40. At each crank angle
         the crank has the speed and this acceleration: these are states, and not one run through
         all angles.
+    motors : sequence of CatalogueMotor, str or path-like, optional
+        Catalogue of motors, a CSV file, each of which is judged by the torque over speed that the
+        linkage needs.
+
+        :func:`flexmech.modelfile.motor_catalogue` reads it. Not under a motor, at rest or with an
+        acceleration of the crank.
     """
 
     speed: Annotated[float | Drive | MotorDrive | None, typed.speed(DRIVE_OR_REST, turns=False)] = (
@@ -344,6 +353,7 @@ class KinematicsOptions(MomentPointOptions, SpeedUnitOptions):
     crank_angles: Annotated[FloatArray, typed.ANGLES] = field(default_factory=EVERY_DEGREE)
     lumped: Annotated[Sequence[int] | None, typed.LUMPED] = None
     crank_acceleration: Annotated[float, typed.CRANK_ACCELERATION] = 0.0
+    motors: Annotated[Sequence[CatalogueMotor] | str | PathLike[str] | None, typed.MOTORS] = None
 
 
 @dataclass(frozen=True)
