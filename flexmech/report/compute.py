@@ -118,21 +118,17 @@ def _of_brief_page(making: _Making, found: list[analyses.Result]) -> Results:
     if not np.any(making.speeds):
         raise InputError(f"a brief page needs {NO_SPEED}")
     refused, errors = dict[str, str](), list[FlexmechError]()
-    runs = list[analyses.Response]()
     makers: dict[str, Callable[[], Sequence[analyses.Result]]] = {
         "response": making.responses,
-        "strength": lambda: making.strength(runs),
+        "strength": lambda: making.strength(Results(tuple(found)).of_kind(analyses.Response)),
         "campbell": making.campbell,
     }
     for name, make in makers.items():
         try:
-            made = make()
+            found += make()
         except (InputError, ComputationError) as error:
             refused[name] = error.in_unit(making.request.speed_unit or RAD_S)
             errors.append(error)
-        else:
-            found += made
-            runs += [each for each in made if isinstance(each, analyses.Response)]
     if len(errors) == len(makers):
         raise errors[0]
     return Results(tuple(found), refused)
