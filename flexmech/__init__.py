@@ -11,9 +11,9 @@ Examples
 (1, 2, 3, 4)
 
 ``result.plot()`` gives a matplotlib figure, ``result.save(folder)`` writes files and
-``print(result.summary())`` says what was found. Of a mechanism the reference engine is made; others
-are ``flexmech.ReferenceEngine(mechanism, elements=16)`` and ``flexmech.ExudynEngine(mechanism)``.
-Crank speeds are in rad/s, or in the unit that is given beside them: ``speed_unit="rpm"``.
+``print(result.summary())`` prints the answer. A mechanism gets the reference engine; others are
+``flexmech.ReferenceEngine(mechanism, elements=16)`` and ``flexmech.ExudynEngine(mechanism)``. Crank
+speeds are in rad/s, or in the unit that is given beside them: ``speed_unit="rpm"``.
 """
 
 import lazy_loader

@@ -26,7 +26,7 @@ LabelledProgress = Callable[[str, int, int], None]
 """Called with what is being done, the steps done and the steps to do."""
 
 
-def silent(*told: object) -> None:
+def silent(*report: object) -> None:
     """Progress of either kind that is reported to nobody."""
 
 

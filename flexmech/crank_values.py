@@ -105,8 +105,8 @@ class UsualSpeeds:
         return np.asarray(greatest * np.linspace(self.first, self.last, self.count))
 
 
-# Beyond the greatest speed by a half: what a machine that is made faster meets next. The numbers of
-# steps alone are of speed; with both of them the greatest speed is one of the steps.
+# Beyond the greatest speed by a half: the range into which a machine may be made faster. The
+# numbers of steps alone are of speed; with both of them the greatest speed is one of the steps.
 CAMPBELL = UsualSpeeds(0.0, 1.5, 61)
 # At standstill there is no period.
 STABILITY = UsualSpeeds(0.5, 1.5, 41)

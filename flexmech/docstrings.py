@@ -57,5 +57,5 @@ def with_entries(doc: str, further: dict[str, tuple[str, str]]) -> str:
         for name, (kind, text) in further.items()
         if name not in known
     ]
-    told = "\n".join(filter(None, [first.rstrip(), *added]))
-    return "\n\n".join([f"{before.rstrip()}\n\n{_HEADING}{told}", *filter(None, rest)])
+    listed = "\n".join(filter(None, [first.rstrip(), *added]))
+    return "\n\n".join([f"{before.rstrip()}\n\n{_HEADING}{listed}", *filter(None, rest)])

@@ -21,7 +21,7 @@ _MOST_NEAR = 5
 """Words that share most letters with a wrong one, among which the fewest slips decide; of units
 of one kind there are no more."""
 _FAST = 100.0
-"""In rad/s: of greater crank speeds, 955 turns a minute and up, these are told as well."""
+"""In rad/s: crank speeds above it, 955 rpm and up, are printed in turns a minute as well."""
 # Categories of characters that move a terminal's cursor, break a line, or turn the direction of
 # writing.
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
@@ -35,7 +35,7 @@ class FlexmechError(Exception):
     ----------
     message : str
         What is wrong (file, key or crank angle) and the remedy. The literal ``{crank_speed}`` in
-        it stands for the crank speed, where one is given. It is told in one line, see
+        it stands for the crank speed, where one is given. It is printed in one line, see
         :func:`one_line`.
     crank_speed : float, optional
         In rad/s.
@@ -45,7 +45,7 @@ class FlexmechError(Exception):
     >>> error = FlexmechError("no equilibrium at {crank_speed}", crank_speed=20.0)
     >>> str(error)
     'no equilibrium at 20 rad/s'
-    >>> error.told("rpm")
+    >>> error.in_unit("rpm")
     'no equilibrium at 190.986 rpm'
     """
 
@@ -57,9 +57,9 @@ class FlexmechError(Exception):
         self.crank_speed = crank_speed
 
     def __str__(self) -> str:
-        return self.told("rad/s")
+        return self.in_unit("rad/s")
 
-    def told(self, unit: str) -> str:
+    def in_unit(self, unit: str) -> str:
         """Write the message with its crank speed in a unit, such as ``"rpm"``."""
         message = one_line(self.message)
         if self.crank_speed is None:
@@ -99,7 +99,7 @@ def missing_extra(use: str, package: str, extra: str, otherwise: str = "") -> In
     Parameters
     ----------
     use, package, extra : str
-        What needs which package, and the extra of flexmech that brings it.
+        The feature, the package that it needs, and the extra of flexmech that brings it.
     otherwise : str
         What to do without it.
 
@@ -172,8 +172,8 @@ def suggestion(got: str, known: Sequence[str]) -> str:
 def nearest(got: str, known: Sequence[str]) -> str:
     """The known word that is nearest to what was typed; empty where none is near.
 
-    Of the words that have most letters in common with it, the one with the fewest slips of the
-    keyboard.
+    It is the word with the fewest slips of the keyboard, among those that have most letters in
+    common with what was typed.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ def known_words(text: str, known: Sequence[str], wrong: str, example: str = "") 
     text : str
     known : sequence of str
     wrong : str
-        What a word that is not known is none of, for messages.
+        The known words, for messages about an unknown one.
     example : str
         End of messages.
 

@@ -76,7 +76,7 @@ def given_path(path: str | os.PathLike[str]) -> Path:
 
 
 def bytes_of(file: Path, shown: str, what: str, most: int) -> bytes:
-    """What a file that a user gave holds, read up to a bound.
+    """Content of a user's file, read up to a bound.
 
     Parameters
     ----------

@@ -154,7 +154,7 @@ def curvature_at(
     ndarray, shape (k * per_node,)
         Multiplies the coordinates; 1/m for coordinates in m and rad.
     """
-    # Of two that are equally near, round-off must not choose.
+    # Round-off must not choose between two nodes that are equally near.
     distance = np.round(np.abs(nodes - place) / nodes[-1], 9)
     nearest = np.sort(np.argsort(distance, kind="stable")[:3])
     scale = float(np.ptp(nodes[nearest]))

@@ -160,7 +160,7 @@ class SharedTables:
 
 
 def short_repr(record: object, *words: str) -> str:
-    """Write what an object is in one line: its class, and words that are not empty."""
+    """Describe an object in one line: its class, and words that are not empty."""
     line = " ".join(", ".join(word for word in words if word).split())
     if len(line) > _MOST_CHARACTERS:
         line = f"{line[:_MOST_CHARACTERS]}..."

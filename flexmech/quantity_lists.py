@@ -82,7 +82,7 @@ def parse_quantities(
     numbers: list[Decimal] = []
     factors: list[Decimal] = []
     for piece in entries:
-        # Of a range, in the last unit, which all three parts usually have.
+        # A range is converted in its last unit, which all three numbers usually have.
         given = [unit_factor(text, own or unit, dimension) for _, own in piece]
         same = [
             number * (factor / given[-1]) for (number, _), factor in zip(piece, given, strict=True)

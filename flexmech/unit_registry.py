@@ -1,4 +1,4 @@
-"""What a unit is in SI base units, by pint: the ground that units and error messages stand on.
+"""Units in SI base units, by pint: the ground that units and error messages stand on.
 
 Units are compared in base units *with* the radian, so that 5 Hz and 5 rad/s are never mixed up.
 All numbers are decimal, so that a conversion loses nothing before the final rounding.
@@ -46,7 +46,7 @@ class BaseUnits(NamedTuple):
     name: str
 
 
-# What pint finds for the units that most model files are written in, to the last digit: a test asks
+# Factors by pint of the units that most model files are written in, to the last digit: a test asks
 # it. Making its registry takes longer than small analyses.
 COMMON_UNITS = {
     unit: BaseUnits(Decimal(factor), name)

@@ -208,7 +208,7 @@ def check_choice(value: object, known: Collection[str], name: str) -> None:
 
 
 def check_flag(value: object, name: str) -> None:
-    """Refuse what is neither True nor False: arrays, text and numbers that may mean one of them."""
+    """Refuse values that are neither True nor False: arrays, text and numbers."""
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{name} must be True or False, got {_shown(value)}")
 

@@ -65,8 +65,8 @@ def block_failures(page: Path) -> list[str]:
         env=environment() | place,
     )
     if ran.returncode:
-        told = (ran.stderr.strip() or f"exit code {ran.returncode}").splitlines()
-        return [f"{page.relative_to(REPOSITORY)}: {' | '.join(told[-3:])}"]
+        printed = (ran.stderr.strip() or f"exit code {ran.returncode}").splitlines()
+        return [f"{page.relative_to(REPOSITORY)}: {' | '.join(printed[-3:])}"]
     started.rename(folder)
     return []
 

@@ -162,8 +162,8 @@ def _quoted(row: Row, quote: Quote, results: Results) -> str:
     starts = [n for n, line in enumerate(text) if line.startswith(quote.get("after", ""))]
     for line in text[starts[0] :] if starts else []:
         if line.startswith(quote["line"]):
-            told = quote.get("told")
-            return f"{told}: {line}" if told else line
+            note = quote.get("told")
+            return f"{note}: {line}" if note else line
     raise RuntimeError(
         f"{row.paper}, {row.number}: {quote['scenario']} prints no {quote['line']!r}"
     )
@@ -202,8 +202,11 @@ def _claims_table(folder: Path) -> str:
     lines += ["|-|-|-|-|-|-|-|"]
     for claim in claims.itertuples():
         ours = f"{claim.computed} ± {claim.spread}" if claim.spread else claim.computed
-        told = [f"**{claim.verdict}**", claim.fails_if and f"what would fail it: {claim.fails_if}"]
-        verdict = "<br>".join(filter(None, [*told, claim.reason]))
+        parts = [
+            f"**{claim.verdict}**",
+            claim.fails_if and f"what would fail it: {claim.fails_if}",
+        ]
+        verdict = "<br>".join(filter(None, [*parts, claim.reason]))
         lines.append(
             f"| {claim.place} | {claim.statement} | {claim.printed} | {claim.from_tables} | "
             f"{ours} | {claim.other_models} | {verdict} |"

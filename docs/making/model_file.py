@@ -10,7 +10,7 @@ __all__ = ["model_file_page"]
 HEAD = """# Model files
 
 A model file is [TOML](https://toml.io). Every value with a dimension is text with its unit:
-`"279.4 mm"`, `"70 GPa"`, `"190 rpm"`. Unknown keys are refused, and all errors of a file are told
+`"279.4 mm"`, `"70 GPa"`, `"190 rpm"`. Unknown keys are refused, and all errors of a file are given
 at once, each with the place and the remedy. `flexmech new four-bar FILE` writes a commented file to
 start from, `flexmech check FILE` says what was understood, and `flexmech schema` prints the schema
 from which this page is made, for editors that complete and check TOML.

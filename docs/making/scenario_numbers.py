@@ -27,7 +27,7 @@ __all__ = ["KEPT", "SCENARIOS", "expected_numbers"]
 KEPT = "numbers.json"
 """File of the numbers, beside the pictures."""
 DOTS_PER_INCH = 200
-"""Of the pictures: thin lines stay sharp on a screen of twice the usual density."""
+"""Density of the pictures: thin lines stay sharp on a screen of twice the usual density."""
 SCENARIOS = REPOSITORY / "scenarios"
 
 

@@ -89,8 +89,8 @@ def run_session(text: str, folder: Path) -> str:
             _change(block[3], folder)
         if kind != "console":
             return block[0]
-        told = [f"{PROMPT}{s.text}\n{_printed_by(s.text, folder)}" for s in _commands(block[3])]
-        return f"{block[1]}{block[2]}\n{''.join(told)}{block[1]}"
+        printed = [f"{PROMPT}{s.text}\n{_printed_by(s.text, folder)}" for s in _commands(block[3])]
+        return f"{block[1]}{block[2]}\n{''.join(printed)}{block[1]}"
 
     return FENCED.sub(up_to_date, text)
 

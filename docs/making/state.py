@@ -54,12 +54,12 @@ def on_a_terminal(*arguments: str, folder: Path) -> tuple[int, str]:
     plain = {**environment(), "COLUMNS": "80", "LINES": "25", "TERM": "dumb"}
     for name in ("CLICOLOR", "CLICOLOR_FORCE", "FORCE_COLOR"):
         plain.pop(name, None)
-    with TemporaryFile() as told:
+    with TemporaryFile() as errors:
         run = subprocess.Popen(
             [sys.executable, "-m", "flexmech", *arguments],
             stdin=subprocess.DEVNULL,
             stdout=writer,
-            stderr=told,
+            stderr=errors,
             cwd=folder,
             env=plain,
         )
@@ -70,8 +70,8 @@ def on_a_terminal(*arguments: str, folder: Path) -> tuple[int, str]:
                 printed += part
         os.close(reader)
         code = run.wait()
-        told.seek(0)
-        text = (told.read() + bytes(printed)).decode()
+        errors.seek(0)
+        text = (errors.read() + bytes(printed)).decode()
     return code, text.replace("\r\n", "\n")
 
 

@@ -13,7 +13,7 @@ HEAD = """# Study files
 A study file says what varies of a [model file](model_file.md), what is computed of every design,
 which limits it must keep and what is sought: {doc}`../how_to/choose_a_design`. It is
 [TOML](https://toml.io) with a unit in every value, as model files are, and all of its errors are
-told at once. `flexmech new study FILE` writes a commented file to start from.
+reported at once. `flexmech new study FILE` writes a commented file to start from.
 
 """
 # Tables of the file, in the order in which one writes them, and what they are called there.

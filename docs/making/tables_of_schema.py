@@ -8,7 +8,7 @@ from typing import Any
 
 __all__ = ["TomlReference"]
 
-# Short lists of a fixed length are told as such.
+# Short lists of a fixed length are described as such.
 COUNTS = {1: "one", 2: "two", 3: "three"}
 
 

@@ -145,8 +145,8 @@ class PaperTables:
         )
         return (
             "Headers and one unit of the printed table put right. Ours are of plies with 60 % of "
-            "fibres by the rule of mixtures from Table 1. Of the strength there is none: no "
-            "strength of a fibre or of the resin is printed.\n\n"
+            "fibres by the rule of mixtures from Table 1. Strengths are missing: the "
+            "paper prints none of a fibre or of the resin.\n\n"
             f"{_table(of_moduli, moduli)}\n{_table(of_others, others)}"
         )
 

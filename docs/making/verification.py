@@ -39,7 +39,7 @@ def verification_page(folder: Path) -> str:
     for source, of_source in rows.groupby("source", sort=False):
         parts += [f"## Against: {source}\n"]
         for subject, of_subject in of_source.groupby("subject", sort=False):
-            parts += [f"### {subject}\n", _told(of_subject), "", _numbers(of_subject), ""]
+            parts += [f"### {subject}\n", _rows_table(of_subject), "", _numbers(of_subject), ""]
     return "\n".join(parts)
 
 
@@ -48,7 +48,7 @@ def verification_results() -> Path:
     return command_results("verification", "verify", "--thorough")
 
 
-def _told(rows: pd.DataFrame) -> str:
+def _rows_table(rows: pd.DataFrame) -> str:
     """How many numbers were compared, and which came nearest to its tolerance."""
     compared = rows[rows["verdict"] != "skipped"]
     if compared.empty:

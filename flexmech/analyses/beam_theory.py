@@ -21,7 +21,7 @@ from flexmech.mechanics.beams.restrained_ends import RestrainedEnds, restrained_
 from flexmech.sections import TWISTS, BeamSection, LaminateSection
 
 LINES, WARNINGS, REASON = "beam_theory", "beam_theory_warnings", "beam_theory_difference"
-# Theories from the coarsest on. Of the two that shear as a whole, either may be the closer one.
+# Theories from the coarsest on. Either of the two that shear as a whole may be the closer one.
 LEAVES_OUT_LESS = ("euler", "timoshenko", "reddy", "zigzag")
 SHEARS = {"timoshenko", "reddy"}
 LEFT_OUT = {
@@ -202,7 +202,7 @@ def _ends_apart(engines: Sequence[Engine], comparison: TheoryComparison) -> list
 
 
 def _short(link: str, section: BeamSection, length: float) -> str:
-    """What rigid end faces do to a short link that twists as it bends; nothing if it is long."""
+    """Effect of rigid end faces on a short link that twists as it bends; empty if it is long."""
     layers = _smeared(section)
     if layers is None or layers.twist != "held" or _gain_by_twist(layers) <= NEGLIGIBLE:
         return ""
@@ -228,7 +228,7 @@ def _gain_by_twist(layers: LaminateSection) -> float:
 
 
 def _twist(link: str, section: BeamSection) -> str:
-    """What holding the twist of off-axis plies does to a link; nothing where that is negligible."""
+    """Effect of a held twist on a link of off-axis plies; empty where it is negligible."""
     layers = _smeared(section)
     if layers is None or not layers.twists:
         return ""

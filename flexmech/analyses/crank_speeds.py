@@ -22,7 +22,7 @@ from flexmech.validation import check_number, checked_array
 RAD_S = ANGULAR_SPEED.unit
 # Speeds of a model file that are named one by one; of more speeds the least and the
 # greatest.
-_MOST_TOLD = 5
+_MOST_SPEEDS = 5
 # Printed digits of a speed: machines' speeds are known to fewer.
 _DIGITS = 6
 
@@ -42,7 +42,7 @@ def rad_per_s(values: ArrayLike, unit: str | None, name: str = "crank_speeds") -
     Returns
     -------
     ndarray
-        Of the same shape.
+        Crank speeds in rad/s, of the shape of the input.
 
     Raises
     ------
@@ -144,10 +144,10 @@ def own_speeds(mechanism: Mechanism, usual: Callable[[Mechanism], FloatArray]) -
     if isinstance(usual, UsualSpeeds) and usual.or_drive and drive is not None:
         return Speeds((), unit, f"drive of the model file: {drive.words}", drive)
     speeds = usual(mechanism)
-    return Speeds(tuple(in_unit(speeds, unit)), unit, told_speeds(mechanism, speeds))
+    return Speeds(tuple(in_unit(speeds, unit)), unit, speeds_taken(mechanism, speeds))
 
 
-def told_speeds(mechanism: Mechanism, speeds: FloatArray) -> str:
+def speeds_taken(mechanism: Mechanism, speeds: FloatArray) -> str:
     """Which crank speeds were taken where none were asked for, in one line.
 
     Parameters
@@ -162,18 +162,18 @@ def told_speeds(mechanism: Mechanism, speeds: FloatArray) -> str:
 
     Examples
     --------
-    >>> from flexmech.analyses.crank_speeds import told_speeds
+    >>> from flexmech.analyses.crank_speeds import speeds_taken
     >>> from flexmech.crank_values import CAMPBELL
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-    >>> told_speeds(mechanism, CAMPBELL(mechanism))
+    >>> speeds_taken(mechanism, CAMPBELL(mechanism))
     'speeds of the model file: 0 to 30 rad/s'
     """
     unit = mechanism.speed_unit
     texts = [f"{number:.{_DIGITS}g}" for number in in_unit(np.sort(speeds), unit)]
-    if len(texts) > _MOST_TOLD:
-        told = f"{texts[0]} to {texts[-1]} {unit}"
+    if len(texts) > _MOST_SPEEDS:
+        listed = f"{texts[0]} to {texts[-1]} {unit}"
     else:
-        told = f"{' and '.join([', '.join(texts[:-1]), texts[-1]][len(texts) == 1 :])} {unit}"
+        listed = f"{' and '.join([', '.join(texts[:-1]), texts[-1]][len(texts) == 1 :])} {unit}"
     if not any(mechanism.operating_speeds):
-        return f"speeds, for the model names none: {told}"
-    return f"speed{'s' * (len(texts) > 1)} of the model file: {told}"
+        return f"speeds, for the model names none: {listed}"
+    return f"speed{'s' * (len(texts) > 1)} of the model file: {listed}"

@@ -81,7 +81,7 @@ def with_error(value: float, error: float) -> str:
     Parameters
     ----------
     value, error : float
-        Both in one unit; an error that is not a number is not known, and not told.
+        Both in one unit; an error that is not a number is unknown, and not printed.
 
     Returns
     -------

@@ -22,7 +22,7 @@ _STEP = np.radians(1.0)
 _INSIDE, _ZOOMS = 17, 8
 # Angles closer than this part of a step count as one.
 _SAME = 1e-9
-# Of a mean: steps of the first trapezoidal rule a turn, and how often they are halved at most. The
+# Steps of the first trapezoidal rule a turn for a mean, and how often they are halved at most. The
 # rule converges faster than any power for what is smooth and periodic, as the square of the step
 # for tables of loads, whose mean is known to 1e-7 by then.
 _FEWEST_STEPS, _HALVINGS = 360, 5
@@ -64,9 +64,9 @@ class Extremes:
 def extremes(values_at: Values, crank_angles: FloatArray, *, step: float | None = None) -> Extremes:
     """Least and greatest values from the first to the last of some crank angles, or times.
 
-    They are sought in steps of a degree, and each is narrowed down between its neighbours. Of a
-    linkage that cannot be moved through all angles between, which passes a dead point or a gap of
-    its range of motion, values at the angles alone count, and errors are not numbers.
+    They are sought in steps of a degree, and each is narrowed down between its neighbours. Where
+    the linkage cannot be moved through all angles between, because it passes a dead point or a gap
+    of its range of motion, values at the angles alone count, and errors are not numbers.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def _greatest(
         return Peaks(best, where, error)
     step = np.diff(angles)
     ends = (0, len(angles) - 1)
-    # Of a periodic quantity of a whole turn the end goes on with the beginning.
+    # A periodic quantity goes on from the end of a whole turn with its beginning.
     size = np.abs(values).max(axis=0)
     joined = np.abs(values[-1] - values[0]) <= ROUND_OFF * size
     joined &= turns and is_whole(angles[-1] - angles[0])

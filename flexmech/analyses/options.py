@@ -48,8 +48,11 @@ if TYPE_CHECKING:
     from flexmech.measured_data import MeasuredRecord
     from flexmech.mechanics import LinkPoint, RotationTerms
     from flexmech.modal_testing import IdentificationMethod
+    from flexmech.modelfile import CatalogueMotor
 else:  # Their rooms are imported where an analysis computes.
-    ArrayLike = CouplerPoint = Drive = Environment = FloatArray = IdentificationMethod = Any
+    ArrayLike = CatalogueMotor = CouplerPoint = Drive = Environment = FloatArray = (
+        IdentificationMethod
+    ) = Any
     LabelledProgress = LinkPoint = MeasuredRecord = MotorDrive = RotationTerms = Shaping = Any
 
 EVERY_DEGREE = partial(typed.radians, "0:360:1")
@@ -92,7 +95,7 @@ class DeclaredOption:
     ----------
     mark : Typed, Plain or Together
     kinds : set of type
-        Of its values, but for None.
+        Types of its values, but for None.
     words : tuple of str
         Among which a value has to be; empty where it is no word.
     may_be_left_out : bool
@@ -124,7 +127,7 @@ def declared_options(asked: Any) -> dict[str, DeclaredOption]:
 
 @dataclass(frozen=True, kw_only=True)
 class SpeedUnitOptions(Options):
-    """In which unit crank speeds are given and told.
+    """Unit of crank speeds, given and printed.
 
     Parameters
     ----------
@@ -214,14 +217,14 @@ class ElementOptions(Options):
 
 @dataclass(frozen=True, kw_only=True)
 class EngineOptions(ElementOptions):
-    """Which engine computes.
+    """Engine that computes.
 
     Parameters
     ----------
     engine : {"reference", "exudyn", "both"}, optional
-        Which engine computes; both stand side by side.
+        Engine that computes; both: side by side.
 
-        Of a mechanism; the reference engine if left out. An engine that is given in place of the
+        For a mechanism, the reference engine if left out; an engine that is given in place of the
         mechanism computes itself.
     """
 
@@ -237,7 +240,7 @@ class ElementsOptions(Options):
     elements : int, optional
         Elements on each link.
 
-        Of a mechanism, 8 if left out; an engine has its own.
+        For a mechanism, 8 if left out; an engine has its own.
     """
 
     elements: Annotated[int | None, typed.Plain("--elements", 1, MOST_ELEMENTS)] = None
@@ -254,7 +257,7 @@ class ShaftOptions(Options):
         that the constant speed takes, and its rotation is one more coordinate. Left out:
         prescribed, or free where a motor turns it.
 
-        Of all engines; left out: that of the engines.
+        Holds for all engines; left out, an engine keeps its own shaft.
     """
 
     shaft: Annotated[choices.ShaftChoice | None, typed.Plain("--shaft")] = None
@@ -274,7 +277,7 @@ class MeshOptions(EngineOptions, SpeedUnitOptions, EnvironmentOptions, ProgressO
         Elements on each link, whatever the tolerance. Left out: 8, doubled by each engine until its
         frequencies are within the tolerance, up to 32.
 
-        Of a mechanism; an engine has its own.
+        For a mechanism; an engine has its own.
     tolerance : float, optional
         Estimated relative error by the mesh that is allowed, where --elements is left out.
 
@@ -307,7 +310,7 @@ class MapOptions(MeshOptions):
 
 @dataclass(frozen=True)
 class KinematicsOptions(MomentPointOptions, SpeedUnitOptions):
-    """Motion of the rigid linkage, its joint forces and driving torque.
+    """Motion, joint forces and torque of the rigid linkage.
 
     Strokes of sliders; position, velocity and acceleration of points and links, forces and moments
     at the joints and on the frame, torque, power, transmission angle: a table, files and pictures.
@@ -335,6 +338,12 @@ class KinematicsOptions(MomentPointOptions, SpeedUnitOptions):
         In rad/s^2, alpha2 of Kumar & Chandrakar's eqs. 1.35 to 1.40. At each crank angle
         the crank has the speed and this acceleration: these are states, and not one run through
         all angles.
+    motors : sequence of CatalogueMotor, str or path-like, optional
+        Catalogue of motors, a CSV file, each of which is judged by the torque over speed that the
+        linkage needs.
+
+        :func:`flexmech.modelfile.motor_catalogue` reads it. Not under a motor, at rest or with an
+        acceleration of the crank.
     """
 
     speed: Annotated[float | Drive | MotorDrive | None, typed.speed(DRIVE_OR_REST, turns=False)] = (
@@ -344,11 +353,15 @@ class KinematicsOptions(MomentPointOptions, SpeedUnitOptions):
     crank_angles: Annotated[FloatArray, typed.ANGLES] = field(default_factory=EVERY_DEGREE)
     lumped: Annotated[Sequence[int] | None, typed.LUMPED] = None
     crank_acceleration: Annotated[float, typed.CRANK_ACCELERATION] = 0.0
+    motors: Annotated[Sequence[CatalogueMotor] | str | PathLike[str] | None, typed.MOTORS] = None
 
 
 @dataclass(frozen=True)
 class StrengthOptions(EngineOptions, EnvironmentOptions, SpeedUnitOptions, ProgressOptions):
-    """Whether links or pins fail under their running loads: which first, how, by what factor.
+    """Strength of links and pins under their running loads.
+
+    The part that fails first, the kind of failure, and the factors by which loads and speed may
+    rise.
 
     Parameters
     ----------
@@ -361,7 +374,7 @@ class StrengthOptions(EngineOptions, EnvironmentOptions, SpeedUnitOptions, Progr
 
         In rad, increasing; a turn in steps of five degrees if left out.
     source : {"quasi-static", "periodic", "transient", "rigid"}
-        Whose forces: of links bent at rest in their frames, vibrating, in a run, or taken as rigid.
+        Forces of links bent quasi-statically, in periodic vibration, in a run, or taken as rigid.
 
         The links of an engine rest in nonlinear equilibrium with inertia, weight, loads and
         springs; or are in one turn of their periodic motion, or in a run of ``revolutions`` turns
@@ -392,10 +405,11 @@ class StrengthOptions(EngineOptions, EnvironmentOptions, SpeedUnitOptions, Progr
 
 @dataclass(frozen=True)
 class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
-    """Counterweights that keep a linkage from shaking its frame, and what they cost.
+    """Counterweights against the shaking force, and their cost.
 
-    On crank and follower of a four-bar, for a full balance of the shaking force or a compromise;
-    on the crank of a slider-crank. Writes the balanced model file too, as balanced.toml.
+    On crank and follower of a four-bar, for a compromise between shaking force, shaking moment and
+    driving torque, beside the full balance of the force as its limit; on the crank of a
+    slider-crank. Writes the balanced model file too, as balanced.toml.
 
     Parameters
     ----------
@@ -404,11 +418,13 @@ class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
 
         In ``speed_unit``, other than zero.
     weights : sequence of float, optional
-        Weights of shaking force, shaking moment and driving torque in a compromise. Left out: full
-        force balance of a four-bar, --share of a slider-crank.
+        Weights of shaking force, shaking moment and driving torque in a compromise. Left out: equal
+        ones for a four-bar, --share for a slider-crank.
 
         The sum of their mean squares over the crank angles, each over that of the linkage as
         given, is made least.
+    full : bool
+        Balance the whole shaking force of a four-bar, whatever moment and torque become.
     radii : float or sequence of float, optional
         Distance of the counterweights from the joints about which crank and follower rotate. Left
         out: half of each link's length.
@@ -424,15 +440,16 @@ class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
         In rad, increasing: over which means and peaks are taken; a turn in steps of one degree if
         left out.
     rigid : bool
-        Leave out what elastic links add, which takes some seconds.
+        Rigid links alone; elastic ones take some seconds more.
 
-        Which is a run by the reference engine, for what is left of the shaking force, and the first
-        natural frequency.
+        For elastic links the reference engine runs once and gives the remaining shaking force and
+        the first natural frequency.
     """
 
     speed: Annotated[float | None, typed.speed(GREATEST, turns=True)] = None
     _: KW_ONLY
     weights: Annotated[Sequence[float] | None, typed.WEIGHTS] = None
+    full: Annotated[bool, typed.Plain("--full")] = False
     radii: Annotated[float | Sequence[float] | None, typed.RADIUS] = None
     share: Annotated[float, typed.SHARE] = 0.5
     crank_angles: Annotated[FloatArray, typed.ANGLES] = field(default_factory=EVERY_DEGREE)
@@ -441,7 +458,7 @@ class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
 
 @dataclass(frozen=True)
 class CampbellOptions(MapOptions):
-    """Which crank speeds to avoid: a Campbell diagram.
+    """Campbell diagram: crank speeds to avoid.
 
     Each branch's lowest, mean and highest frequency over the turn against crank speed, and the
     speeds at which multiples of the crank's speed meet them: a table, CSV and NetCDF files, and a
@@ -496,10 +513,10 @@ class FrequencyOptions(MapOptions, ShaftOptions):
         equilibrium: at the nonlinear quasi-static equilibrium; trajectory: in the states that the
         periodic motion runs through, beside the quasi-static ones.
     mass : {"distributed", "lumped"}, optional
-        distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve of a
-        four-bar. Of the reference engine; Exudyn keeps distributed mass.
+        distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve in a
+        four-bar. Only the reference engine lumps it; Exudyn keeps distributed mass.
 
-        Of a mechanism; an engine has its own.
+        For a mechanism; an engine has its own.
     shapes_at : array_like, optional
         Crank angles at which mode shapes are drawn, a picture each. Left out: the first of
         --angles.
@@ -537,7 +554,7 @@ class StabilityOptions(
     SpeedUnitOptions,
     ProgressOptions,
 ):
-    """At which crank speeds the running linkage shakes itself up: a stability map.
+    """Stability map: crank speeds at which vibration grows.
 
     Growth rates and Floquet multipliers over crank speed, and the unstable bands with the errors
     of their edges and the damping that closes them: a table, CSV and NetCDF files, and pictures.
@@ -551,10 +568,10 @@ class StabilityOptions(
 
         In ``speed_unit``.
     prestress : {"none", "axial", "equilibrium", "trajectory"}, optional
-        About which motion: axial: straight links with the axial forces of the rigid motion; none:
-        without these; equilibrium: the nonlinear quasi-static equilibrium; trajectory: the periodic
-        motion itself. Left out: trajectory where links are damped, equilibrium elsewhere and with
-        --against.
+        Motion that vibrations are about; axial: straight links with the axial forces of the rigid
+        motion; none: without these; equilibrium: the nonlinear quasi-static equilibrium;
+        trajectory: the periodic motion itself. Left out: trajectory where links are damped,
+        equilibrium elsewhere and with --against.
 
         The equilibrium also where :func:`flexmech.solvers.nonlinear_orbit` refuses what acts on
         the links.
@@ -657,7 +674,7 @@ class RunOptions(
 
 @dataclass(frozen=True)
 class ResponseOptions(RunOptions, EngineOptions, ShaftOptions):
-    """The running mechanism in time.
+    """Response of the running mechanism over time.
 
     Deflections, strains, driving torque and joint forces at constant crank speed, or by the law or
     the motor of [drive]: a table, files, pictures and an animation; dry, or in heat and moisture.
@@ -690,12 +707,12 @@ class ForcedPointOptions(EngineOptions, ElementsOptions, DampingRatioOptions):
     Parameters
     ----------
     impact : LinkPoint, optional
-        Where the hammer hits: a link, and a fraction of its length from its first joint. Left out:
+        Point of impact: a link, and a fraction of its length from its first joint. Left out:
         the middle of the coupler, or of the last link where there is none.
     response : LinkPoint, optional
-        Where the displacement is measured. Left out: at the same place.
+        Point at which the displacement is measured. Left out: the point of impact.
     direction : {"transverse", "axial"}
-        Of force and displacement: across the frame of the rigid link, or along it.
+        Direction of force and displacement: across the frame of the rigid link, or along it.
 
         In the frame of each point's link.
     bandwidth : float, optional
@@ -726,7 +743,7 @@ class ForcedPointOptions(EngineOptions, ElementsOptions, DampingRatioOptions):
 
 @dataclass(frozen=True)
 class HammerOptions(ForcedPointOptions, ProgressOptions):
-    """A hammer test of the linkage with its crank locked, as a laboratory does it.
+    """Hammer test of the linkage with its crank locked, as in a laboratory.
 
     Parameters
     ----------
@@ -747,12 +764,12 @@ class HammerOptions(ForcedPointOptions, ProgressOptions):
     grid : int, optional
         Rove the impact over so many points of each link: mode shapes and MAC.
     seed : int
-        Of the noise: the same seed gives the same noise.
+        Seed of the noise: the same seed gives the same noise.
     engine : {"reference", "exudyn"}, optional
         exudyn: its nonlinear transient; reference: the exact answer of the linear equations, the
         only one with --running. Left out: exudyn, reference with --running.
 
-        Of a mechanism in Python the reference engine if left out.
+        For a mechanism in Python the reference engine if left out.
     modes : int
         Natural frequencies by which the bandwidth is chosen.
     method : {"lscf", "circle-fit"}, optional
@@ -774,7 +791,7 @@ class HammerOptions(ForcedPointOptions, ProgressOptions):
 
 @dataclass(frozen=True)
 class RunningHammerOptions(ForcedPointOptions, SpeedUnitOptions):
-    """What a force on the running linkage does at a constant crank speed, order by order.
+    """Response of the running linkage to a force at constant crank speed, order by order.
 
     Parameters
     ----------
@@ -791,11 +808,11 @@ class RunningHammerOptions(ForcedPointOptions, SpeedUnitOptions):
 
 @dataclass(frozen=True)
 class ComparisonOptions(EngineOptions, SpeedUnitOptions, ProgressOptions):
-    """A measured record beside what is computed.
+    """Measured record compared with the computed one.
 
     Over time the running linkage, over the crank angle natural frequencies, over frequency the
     response of the locked linkage. Damping times and stiffness are fitted with their intervals,
-    and nothing of that is applied: tables, CSV and NetCDF files and a picture.
+    and the model is left as it is: tables, CSV and NetCDF files and a picture.
 
     Parameters
     ----------
@@ -814,16 +831,16 @@ class ComparisonOptions(EngineOptions, SpeedUnitOptions, ProgressOptions):
 
         In rad; one of speed and angle.
     quantity : str, optional
-        What is computed: a column of response.csv, such as coupler_mid_strain; for a
+        Computed quantity: a column of response.csv, such as coupler_mid_strain; for a
         frequency-response function the points of impact and response, as coupler:0.5,rocker:0.5,
         behind NAME@ where a file holds several. Left out: what the record's column names, else the
         middle of the coupler.
     fit : sequence of str, optional
-        What is fitted, a comma list: damping, damping:LINK, stiffness:LINK, offset, gain; or none.
-        Left out: damping, of a frequency-response function gain too, and nothing for natural
+        Fitted parameters, a comma list: damping, damping:LINK, stiffness:LINK, offset, gain; or
+        none. Left out: damping, of a frequency-response function gain too, and nothing for natural
         frequencies.
     engine : {"reference", "exudyn"}, optional
-        Which engine computes.
+        Engine that computes.
     """
 
     record: Annotated[MeasuredRecord | str | PathLike[str], typed.RECORD]
@@ -837,9 +854,10 @@ class ComparisonOptions(EngineOptions, SpeedUnitOptions, ProgressOptions):
 
 @dataclass(frozen=True)
 class CouplerPathOptions(EnvironmentOptions):
-    """Path of a point of the coupler or another link, dry, and in heat and moisture.
+    """Path of a point of the coupler or of another link.
 
-    Of a four-bar's coupler with all crossings and cusps.
+    The path is dry, or in heat and moisture as well. The coupler curve of a four-bar comes with all
+    its crossings and cusps.
 
     Parameters
     ----------
@@ -855,7 +873,7 @@ class CouplerPathOptions(EnvironmentOptions):
     link : str
         Link that the point is on: the coupler, or any link of any linkage.
 
-        Of a chain of beams the first one counts.
+        In a chain of beams the first one counts.
     environment : HygrothermalState or Exposure, optional
         Compared with the dry linkage, if given. The path needs no modulus: above the wet glass
         transition of a resin it is drawn with a warning.
@@ -869,7 +887,9 @@ class CouplerPathOptions(EnvironmentOptions):
 
 @dataclass(frozen=True)
 class MoistureOptions(Options):
-    """Moisture profiles and uptake of the links in air of constant humidity, by diffusion.
+    """Moisture uptake of the links in air of constant humidity.
+
+    By diffusion, with moisture profiles through the thickness.
 
     Parameters
     ----------
@@ -914,7 +934,7 @@ class SectionOptions(EnvironmentOptions):
 
 @dataclass(frozen=True)
 class CheckOptions(Options):
-    """Say what linkage a model file has, and remark on what is unusual in it.
+    """Check of a model file: its linkage and unusual values.
 
     With the first natural frequencies at rest, a row for each link, and a picture: posture, paths,
     sections to scale and transmission angle.
@@ -933,10 +953,11 @@ class CheckOptions(Options):
 
 @dataclass(frozen=True)
 class ReportOptions(MeshOptions):
-    """One self-contained page in which the linkage turns, for a colleague without Python.
+    """Report: one HTML page in which the linkage turns.
 
-    Of a model file: frequencies, Campbell diagram, deflection, sections, each with its error,
-    equation and source. Of a folder of results: what the other commands wrote there.
+    The page needs no other file. From a model file: frequencies, Campbell diagram, deflection,
+    sections, each with its error, equation and source. From a folder of results: what the other
+    commands wrote there.
 
     Parameters
     ----------
@@ -948,11 +969,11 @@ class ReportOptions(MeshOptions):
     crank_angles : array_like, shape (A,)
         Crank angles.
 
-        Of the frequencies, increasing, in rad; a turn in steps of 5 degrees if left out.
+        For the frequencies, increasing, in rad; a turn in steps of 5 degrees if left out.
     include : tuple of str, optional
-        What goes in, a comma list: frequencies, campbell, response, kinematics, coupler-curve,
-        section, moisture. Left out: all that the model has; the coupler curve where it names a
-        coupler point, moisture with --relative-humidity and --time.
+        Sections of the page, a comma list: frequencies, campbell, response, kinematics,
+        coupler-curve, section, moisture. Left out: all that the model has; the coupler curve where
+        it names a coupler point, moisture with --relative-humidity and --time.
     campbell_speeds : array_like, optional
         Crank speeds of the Campbell diagram, as in --speeds. Left out: from zero to 1.5 times the
         greatest of --speeds.
@@ -964,7 +985,10 @@ class ReportOptions(MeshOptions):
         None keeps the engines' elements.
     environment : HygrothermalState or Exposure, optional
         Heat and moisture: frequencies, responses and coupler curve are computed dry and in it,
-        Campbell diagram and sections in it.
+        Campbell diagram, sections and strength in it.
+    brief : bool
+        One screen and one sheet of A4: the moving linkage, deflection at the tool, stress and
+        safety factor, torque, bearing loads, speeds to avoid and mass.
     """
 
     crank_speeds: Annotated[
@@ -975,3 +999,4 @@ class ReportOptions(MeshOptions):
     include: Annotated[tuple[choices.ReportPart, ...] | None, typed.INCLUDE] = None
     campbell_speeds: Annotated[ArrayLike | None, typed.CAMPBELL_SPEEDS] = None
     tolerance: Annotated[float | None, typed.Plain("--tolerance")] = choices.TOLERANCE
+    brief: Annotated[bool, typed.Plain("--brief")] = False

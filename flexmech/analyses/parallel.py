@@ -22,7 +22,7 @@ from flexmech.threads import one_thread
 # Tasks that are not worth processes of their own. Speed alone.
 FEW = 2
 
-# What processes that are at work when an interruption comes have to end in, in s: a long call of
+# Time in s within which processes at work have to end after an interruption: a long call of
 # compiled code would keep them for minutes.
 GRACE = 0.5
 # Python answers a signal that comes while it begins to wait only after it has waited; so no wait
@@ -52,7 +52,7 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
     Yields
     ------
     object
-        Of each item, in their order.
+        Answer for each item, in their order.
 
     Raises
     ------
@@ -115,9 +115,9 @@ def loss_of_workers(
     except FlexmechError:
         raise
     except loss as error:
-        told = one_line(f"{type(error).__name__}: {error}", 200)
+        reason = one_line(f"{type(error).__name__}: {error}", 200)
         raise ComputationError(
-            f"a worker was lost, for want of memory perhaps ({told}); {remedy}"
+            f"a worker was lost, for want of memory perhaps ({reason}); {remedy}"
         ) from error
 
 

@@ -133,7 +133,7 @@ def engines_of(
     Parameters
     ----------
     value : Engine, Mechanism or sequence of them
-        Of a mechanism the engines that are asked for are made.
+        A mechanism gets the engines that the options name.
     asked : Options, optional
         Where it has them: engine, element, elements, mass and shaft.
     modes : int, optional
@@ -253,7 +253,7 @@ def _one_of(value: T, kinds: tuple[type, ...], what: str, remedy: str) -> T:
 # At which the error of a map over crank speeds is estimated, each a map of its own: at both ends
 # and in the middle, since the error changes steadily with the speed.
 CHECKED_SPEEDS = 3
-# Every 15 degrees: natural frequencies move slowly enough for bounds to be told by these.
+# Every 15 degrees: natural frequencies move slowly enough for bounds at these angles.
 ANGLES = 24
 
 
@@ -323,7 +323,7 @@ def as_many_modes(
             count = error.most_modes
             reason = f"the model has {count}"
             if isinstance(error, OverdampedError):
-                reason = error.told(speed_unit).partition(";")[0]
+                reason = error.in_unit(speed_unit).partition(";")[0]
             continue
         said = f"modes: {count} in the place of the usual {MODES}, since {reason}" if reason else ""
         return found, {FEWER_MODES: said} if said else {}

@@ -403,7 +403,7 @@ class Result(ABC):
         Returns
         -------
         Result
-            Of this class.
+            Result of this class.
 
         Raises
         ------
@@ -429,7 +429,7 @@ class Result(ABC):
         Returns
         -------
         Result
-            Of this class.
+            Result of this class.
 
         Raises
         ------

@@ -279,11 +279,11 @@ def environment_lines(
             line += f", resin keeps {share} % of its stiffness"
         if link.section.free_curvature:
             sagitta = abs(link.section.free_curvature) * link.length**2 / 8
-            line += f", bent by itself {1e3 * sagitta:.4g} mm at its middle"
+            line += f", bowed without load by {1e3 * sagitta:.4g} mm at its middle"
         lines.append(line)
     inert = inert_links(mechanism)
     if inert:
-        lines.append(f"heat and moisture do nothing to: {', '.join(inert)} (no such keys)")
+        lines.append(f"heat and moisture have no effect on: {', '.join(inert)} (no such keys)")
     return lines
 
 

@@ -209,6 +209,12 @@ def _each(read: Callable[[str], float]) -> Callable[[str], tuple[float, ...]]:
     return lambda text: tuple(read(part) for part in text.split(","))
 
 
+def _file(text: str) -> str:
+    if not text:
+        raise InputError("it is empty; name a file")
+    return text
+
+
 def _place(text: str) -> tuple[float, ...]:
     if len(place := _LENGTHS(text)) != 2:
         raise InputError(f'got {text!r}; give x and y in ground axes, as in "127 mm,0 mm"')
@@ -314,6 +320,7 @@ FORMATS = Typed("--format", lambda text: known_words(text, PICTURE_FORMATS, *_PI
 INCLUDE = Typed(
     "--include", lambda text: known_words(text, REPORT_PARTS, "part of a report"), "LIST"
 )
+MOTORS = Typed("--motors", _file, "FILE")
 FIT = Typed("--fit", lambda text: tuple(name.strip() for name in text.split(",")), "LIST")
 
 BANDWIDTH = _positive("--bandwidth", units.FREQUENCY, "Hz", "HZ")
@@ -416,11 +423,12 @@ def asked_shaping(
         Run a law that stops shaped as well, beside the plain one: zv (zero vibration), zvd (zero
         vibration and derivative) or ei (extra insensitive).
     shaped_modes : tuple of int, optional
-        For which it is shaped, as in 1,2. Left out: those that ring by a tenth of the most or more.
+        Modes for which the law is shaped, as in 1,2. Left out: modes that ring by at least a tenth
+        of the greatest.
     shaped_for : {"end", "path"}
-        Whose frequencies count: end, where the crank stops; path, along its path.
+        Frequencies for which the law is shaped: end, where the crank stops; path, along its path.
     tolerated : float, optional
-        For ei: what it leaves at the frequency, over the plain law; 5% if left out.
+        For ei: residual vibration at the frequency over that by the plain law; 5% if left out.
     """
     if shaper is None:
         if shaped_modes is not None or shaped_for != "end" or tolerated is not None:

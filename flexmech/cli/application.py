@@ -65,7 +65,7 @@ _MOVED = {
     "sweep: vary drive.time in a study file (flexmech new study FILE) whose output is "
     "residual_amplitude",
 }
-"""What commands and options that have left the program became."""
+"""Successors of commands and options that have left the program."""
 
 # What typer raises on wrong command lines; it has no public name for their common base.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -114,8 +114,8 @@ class _Commands(TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """List the commands with the first sentences of their docstrings."""
-        told = [TyperCommand(name, help=inspect.getdoc(each)) for name, each in _NAMED.items()]
-        TyperGroup(commands=told).format_commands(ctx, formatter)
+        commands = [TyperCommand(name, help=inspect.getdoc(each)) for name, each in _NAMED.items()]
+        TyperGroup(commands=commands).format_commands(ctx, formatter)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read a command line, in which some options of its command may stand without a value."""
@@ -173,7 +173,7 @@ def options(
 
 
 class _Stream(io.FileIO):
-    """Stdout or stderr. Its first failure is told, after it nothing is written any more."""
+    """Stdout or stderr. Its first failure is printed; after it nothing is written any more."""
 
     def write(self, data: Any) -> int:
         try:
@@ -185,7 +185,7 @@ class _Stream(io.FileIO):
             if self.fileno() == 1:
                 raise InputError(
                     f"stdout: cannot be written ({error.strerror}); files of this run are "
-                    "complete, only what it prints is missing"
+                    "complete, only the printed text is missing"
                 ) from error
             return memoryview(data).nbytes
 

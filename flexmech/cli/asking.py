@@ -98,8 +98,8 @@ def naming_options(asked: type[Options]) -> Iterator[None]:
             begin = re.match(pattern, error.message)
             words = begin[0].split(", ") if begin else []
             if begin and all(names.get(word) for word in words):
-                told = ", ".join(names[word] for word in words)
-                raise InputError(f"{told}{error.message[begin.end() :]}") from error
+                options = ", ".join(names[word] for word in words)
+                raise InputError(f"{options}{error.message[begin.end() :]}") from error
         raise
 
 
@@ -123,7 +123,7 @@ def ask(
         What can be asked.
     model : path-like
     keywords : dict of str to object
-        Of the function, as typed; None where an option was left out.
+        Values of the function's keywords, as typed; None where an option was left out.
     output : Output
 
     Returns
@@ -137,9 +137,9 @@ def ask(
     kind = getattr(analyses, answer.__annotations__["return"])
 
     def compute(progress: Any) -> Any:
-        told = {"progress": progress} if hasattr(asked, "progress") else {}
+        reported = {"progress": progress} if hasattr(asked, "progress") else {}
         with naming_options(asked):
-            return answer(mechanism, **given, **told)
+            return answer(mechanism, **given, **reported)
 
     return deliver(kind, compute, output, model=model, speeds=speeds, **delivery)
 

@@ -139,7 +139,7 @@ def deliver(
     saving : mapping, optional
         Further options of the result's own way to save.
     in_lines : bool
-        Whether progress is told in lines where there is no terminal for a bar.
+        Whether progress is printed in lines where there is no terminal for a bar.
 
     Returns
     -------

@@ -42,9 +42,9 @@ def asked_campaign(
     Options
     -------
     seed
-        Of the samples. Left out: the study's.
+        Seed of the samples. Left out: the study's.
     engine
-        That computes. Left out: the study's.
+        Engine that computes. Left out: the study's.
     workers
         Processes on this machine.
     cluster : ADDRESS
@@ -52,7 +52,7 @@ def asked_campaign(
     resume
         Go on with the designs that an interrupted run has kept in DIR/designs.zarr.
     force
-        Begin again where there are some.
+        Begin again where an earlier run kept designs.
     """
 
     def run(kind: type[Any], compute: Callable[..., Any], file: Path) -> None:
@@ -69,7 +69,7 @@ Run = Annotated[Callable[..., None], Together(asked_campaign)]
 
 
 def sweep(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
-    """Many designs of a linkage: every combination of a study's values, or a sample.
+    """Designs of a study: all combinations, or a sample.
 
     Options
     -------
@@ -80,12 +80,15 @@ def sweep(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
 
 
 def uncertainty(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
-    """How uncertain a linkage is whose properties are, and which of them makes it so.
+    """Uncertainty of a linkage by that of its properties.
+
+    With the share of each property in it.
 
     Options
     -------
     samples : N
-        A power of two, 1024 if left out; N (D + 2) designs are computed of D inputs.
+        Number N of samples, a power of two, 1024 if left out; N (D + 2) designs are computed
+        for D inputs.
     """
 
     def compute(own: studies.Study, **kept: Any) -> studies.Uncertainty:
@@ -96,7 +99,10 @@ def uncertainty(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
 
 
 def optimize(study: StudyPath, *, run: Run) -> None:
-    """The best design of a study by its goals, within its limits, confirmed by both engines."""
+    """Best design of a study by its goals, within its limits.
+
+    Both engines confirm it.
+    """
     run(studies.Optimum, studies.optimum_study, study)
 
 
@@ -107,10 +113,11 @@ def report(
     *,
     printing: options.AskedPrinting,
 ) -> None:
-    """One self-contained page in which the linkage turns, for a colleague without Python.
+    """Report: one HTML page in which the linkage turns.
 
-    Of a model file: frequencies, Campbell diagram, deflection, sections, each with its error,
-    equation and source. Of a folder of results: what the other commands wrote there.
+    The page needs no other file. From a model file: frequencies, Campbell diagram, deflection,
+    sections, each with its error, equation and source. From a folder of results: what the other
+    commands wrote there.
 
     Options
     -------
@@ -135,7 +142,7 @@ def report(
         if not out.parent.is_dir():
             raise InputError(f"{out}: there is no folder {out.parent}; make it first")
         check_writable(out.parent, [out.name])
-    source, speeds = given_path(model), Speeds(())
+    source, speeds, brief = given_path(model), Speeds(()), keywords["brief"]
     with progress_bar() as progress, telling(model, (keywords["crank_speeds"] or speeds).unit):
         if source.is_dir():
             if any(keywords[name] is not None for name in _COMPUTED):
@@ -158,19 +165,19 @@ def report(
             reported_as_damaged(source) if source.is_dir() else telling(None, speeds.unit),
             naming("--out"),
         ):
-            write_report(results.all, out, command_line=command_line())
+            write_report(results, out, brief=brief, command_line=command_line())
     size = f"{out.stat().st_size / 1e6:.1f} MB"
     lines = [f"file: {one_line(str(out))} ({size}), open it in a browser"]
-    say(report_summary(results), [out], lines, [speeds.remark], printing)
+    say(report_summary(results, brief=brief), [out], lines, [speeds.remark], printing)
 
 
 def verify(
     thorough: Annotated[bool, Option("--thorough")] = False, *, output: options.AskedOptionalOutput
 ) -> None:
-    """Verify this installation against published numbers, closed forms and other programs.
+    """Verify this installation against published numbers.
 
-    Of each case the number that is farthest off, with its source and tolerance; exit code 1 where
-    one fails.
+    Closed forms and other programs are references too. Each case prints the number that is farthest
+    off, with its source and tolerance; exit code 1 where one fails.
 
     Options
     -------

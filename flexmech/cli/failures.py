@@ -79,11 +79,11 @@ def telling(model: object, speed_unit: str, record: object = None) -> Iterator[N
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise ComputationError(
             f"{model or 'the input'}: the computation breaks down ({error}); lengths, stiffnesses "
-            "or masses differ beyond all proportion, check their units"
+            "or masses differ too much in magnitude: check their units"
         ) from error
     except FlexmechError as error:
-        told = type(error)(error.told(speed_unit))
+        printed = type(error)(error.in_unit(speed_unit))
         files = (str(file) for file in (model, record) if file is not None)
-        named = model is None or any(file in told.message for file in files)
-        named = named or told.message.startswith("--")
-        raise (told if named else told.within(str(model))) from error
+        named = model is None or any(file in printed.message for file in files)
+        named = named or printed.message.startswith("--")
+        raise (printed if named else printed.within(str(model))) from error

@@ -31,7 +31,7 @@ def hammer(
     running: Annotated[typed.Speeds | None, typed.RUNNING] = None,
     uff: Annotated[bool, Option("--uff")] = False,
 ) -> None:
-    """A hammer test of the linkage with its crank locked, as a laboratory does it, or running.
+    """Hammer test of the linkage, crank locked or running.
 
     Force pulse and response in time, coherence, frequency-response function, and natural
     frequencies and damping ratios identified from it, beside those of the eigen model: a table,
@@ -41,7 +41,7 @@ def hammer(
     Options
     -------
     running : SPEED
-        What a force on the running linkage does at this crank speed, order by order: rad/s unless a
+        Harmonic transfer functions of the running linkage at this crank speed: rad/s unless a
         unit is given, as in "300 rpm"; alone, at the greatest speed at which the model operates.
     uff
         Write universal files too, for the programs of a laboratory.

@@ -65,9 +65,10 @@ def new(
     *,
     sizes: Annotated[dict[str, str | None], Together(asked_sizes)],
 ) -> None:
-    """Write a commented model file to start from: of a kind of linkage, or an example.
+    """Write a commented model file: a template or an example.
 
-    It is named after the file; an example keeps its name. A study's model is written beside it.
+    The model is named after the file; an example keeps its name. A study's model is written beside
+    it.
 
     Options
     -------

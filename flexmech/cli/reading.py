@@ -1,4 +1,4 @@
-"""From texts that users type to what a command takes: options that read, and groups of them.
+"""From texts that users type to values of a command: options that read, and groups of them.
 
 An annotation of a command's parameter says how: ``Annotated[float, STEP]`` is an option whose text
 ``STEP`` reads, ``Annotated[Output, Together(output)]`` stands for all options that are the
@@ -51,7 +51,7 @@ def with_value(this: str, following: str) -> str:
 def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The same command as typer takes it: with an option of plain text for all that is read."""
     doc = inspect.cleandoc(command.__doc__ or "")
-    told, of_library = entries(doc, _HEADING), entries(doc)
+    of_command, of_library = entries(doc, _HEADING), entries(doc)
     shown: list[inspect.Parameter] = []
     readers: dict[str, tuple[list[str], Callable[..., Any]]] = {}
     for name, parameter in inspect.signature(command, eval_str=True).parameters.items():
@@ -69,8 +69,8 @@ def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
         if isinstance(mark, Typed):
             kind = str | None if parameter.default is None else str
             readers[name] = [name], mark
-        if name in told:
-            metavar, help_text = told[name]
+        if name in of_command:
+            metavar, help_text = of_command[name]
             option.metavar, option.help = metavar or option.metavar, " ".join(help_text.split())
         elif name in of_library:
             option.help = " ".join(of_library[name][1].split())
@@ -109,7 +109,7 @@ def _handed_on(together: Together) -> Callable[..., dict[str, Any]]:
     value is typed.
     """
     asked: Any = together.make
-    hints, told = get_type_hints(asked, include_extras=True), entries(asked.__doc__ or "")
+    hints, described = get_type_hints(asked, include_extras=True), entries(asked.__doc__ or "")
     known = {each.name: each for each in fields(asked)}
     shown, helps = [], []
     for name, declared in declared_options(asked).items():
@@ -122,7 +122,7 @@ def _handed_on(together: Together) -> Callable[..., dict[str, Any]]:
         kind = inspect.Parameter.KEYWORD_ONLY
         shown.append(inspect.Parameter(name, kind, default=default, annotation=hints[name]))
         # Docstrings are absent where Python leaves them out (python -OO): the help is empty then.
-        entry = told[name][1] if name in told else ""
+        entry = described[name][1] if name in described else ""
         text = " ".join(entry.partition("\n\n")[0].replace("``", "").split())
         what, _, left_out = text.partition(". ")
         text = f"{what.removesuffix('.')}{getattr(mark, 'how', '') or '.'}"

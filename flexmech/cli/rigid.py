@@ -25,7 +25,9 @@ def synthesize(
     *,
     output: options.AskedOptionalOutput,
 ) -> None:
-    """Proportions of a crank-rocker for a wanted transmission angle, by Elamy et al. 2023.
+    """Crank-rocker for a wanted transmission angle.
+
+    Proportions of its links by Elamy et al. 2023.
 
     Options
     -------

@@ -33,7 +33,7 @@ def response(
     animate: Annotated[bool, Option("--animate")] = False,
     store: choices.Store = "needed",
 ) -> None:
-    """The running mechanism in time.
+    """Response of the running mechanism over time.
 
     Deflections, strains, driving torque and joint forces at constant crank speed, or by the law or
     the motor of [drive]: a table, files, pictures and an animation; dry, or in heat and moisture.
@@ -44,7 +44,7 @@ def response(
     animate
         Write an animation: GIF, and MP4 where ffmpeg exists.
     store
-        What response.nc holds: needed for pictures, animation and comparisons; or all, with the
+        Content of response.nc; needed: for pictures, animation and comparisons; or all, with the
         places and energies of the links at every sample.
     """
     remarks = [NO_MP4] if animate and not plots.mp4_available() else []

@@ -1,4 +1,4 @@
-"""What happens on Ctrl-C and SIGTERM: one line on stderr, and the exit code that shells expect."""
+"""Ctrl-C and SIGTERM: one line on stderr, and the exit code that shells expect."""
 
 from __future__ import annotations
 

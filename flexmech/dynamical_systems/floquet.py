@@ -283,7 +283,7 @@ WIDEST = 12.0
 # Part of a group in another one that is round-off of a turn of some thousand products.
 PARTED = 1e-11
 # Turns that groups take to show: averages over ten of them tell which part. And how many times what
-# their distance asks for they may take, since columns of a group are first to be told apart.
+# their distance asks for they may take, since columns of a group have to be separated first.
 FIRST_TURNS = 20
 PATIENCE = 3.0
 # Parts of a step, where damping ratios are far above one: exp(8 * 1024) fits within a step.
@@ -490,8 +490,8 @@ def krein_signature(shapes: NDArray[np.complex128]) -> FloatArray:
     Returns
     -------
     ndarray, shape (..., k)
-        Between -1 and 1; zero where the multiplier is not on the unit circle. Of modes that share
-        a multiplier it is that of the vectors given, not of the multiplier.
+        Between -1 and 1; zero where the multiplier is not on the unit circle. Modes that share a
+        multiplier have the signatures of the vectors given, not of the multiplier.
     """
     half = shapes.shape[-2] // 2
     y, p = shapes[..., :half, :], shapes[..., half:, :]

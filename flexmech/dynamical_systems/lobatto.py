@@ -1,8 +1,8 @@
 """Lobatto's collocation methods IIIA: the trapezoidal rule, and that of three stages.
 
-Of two stages, the trapezoidal rule is Newmark's average-acceleration method (Newmark 1959, beta =
-1/4, gamma = 1/2): second order, unconditionally stable, no numerical damping. The equations of
-motion hold at every step::
+Two stages make the trapezoidal rule, Newmark's average acceleration (Newmark 1959, beta = 1/4,
+gamma = 1/2): second order, unconditionally stable, no numerical damping. The equations of motion
+hold at every step::
 
     (M + h/2 C + h^2/4 K) a1 = f - C (v + h/2 a) - K (z + h v + h^2/4 a)
 
@@ -13,7 +13,7 @@ next one, of which everything else is a central difference or mean::
     z'[k] = z[k] + h v[k] + h^2/4 a[k],  h v[k] = (z'[k] - z'[k-2]) / 2,
     h^2 a[k] = z'[k] - 2 z'[k-1] + z'[k-2],  z[k] = (z'[k] + 2 z'[k-1] + z'[k-2]) / 4
 
-Of three stages, the equations hold at the start, the middle and the end of a double step of length
+With three stages the equations hold at the start, the middle and the end of a double step of length
 H = 2 h; in between z' and z'' are parabolas. Fourth order, stable for any step, no numerical
 damping (Ehle 1969; Hairer & Wanner, *Solving Ordinary Differential Equations II*, 1996, sec. IV.5);
 for a load alone this is Simpson's rule. With the products ``H z'`` and ``H^2 z''``, the stages i =

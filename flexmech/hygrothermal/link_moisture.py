@@ -168,7 +168,7 @@ def _uptake(link: str, layer: Layer) -> tuple[ResinContent, MoistureEquilibrium,
     what = f"links.{link}: ply {layer.ply.name!r}" if layer.ply.name else f"links.{link}: its resin"
     if resin is None or not resin.hygrothermal.takes_water:
         raise InputError(
-            f"{what} takes up no water and stands between layers that do; give its resin, or "
+            f"{what} takes up no water but lies between layers that do; give its resin, or "
             "state the moisture of the links instead of humidity and time"
         )
     equilibrium, diffusivity = resin.hygrothermal.equilibrium, resin.hygrothermal.diffusivity

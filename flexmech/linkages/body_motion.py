@@ -121,7 +121,7 @@ class MatrixWithRates:
         Returns
         -------
         MatrixWithRates
-            Of shape (B, n, c).
+            ``X``, of shape (B, n, c).
         """
         inverse = np.asarray(np.linalg.inv(self.value), dtype=float)
         value = inverse @ right.value
@@ -461,7 +461,7 @@ class BodyPoints:
         Returns
         -------
         MatrixWithRates
-            Of shape (B, 2 P, size).
+            Jacobian and its derivatives, of shape (B, 2 P, size).
         """
         matrix = np.zeros((*self._shape, len(bodies.place), 4))
         self.add_rates(matrix, 1.0, bodies, slid)
@@ -695,7 +695,7 @@ class Constraints:
         Returns
         -------
         MatrixWithRates
-            Of shape (B, count, 3 n + slides).
+            Jacobian and its derivatives, of shape (B, count, 3 n + slides).
         """
         matrix = np.zeros((self.count, self._size, len(bodies.place), 4))
         self.first.add_rates(matrix, 1.0, bodies, slid)

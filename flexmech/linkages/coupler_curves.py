@@ -70,8 +70,8 @@ class CouplerTriangle(NamedTuple):
     near, far : float
         Distances of E from A and from B in m.
     cosine, sine : float
-        Of the angle epsilon from E-A to E-B, counter-clockwise. Where E is in a pin there is no
-        such angle, and these are those of zero.
+        Cosine and sine of the angle epsilon from E-A to E-B, counter-clockwise. Where E is in a pin
+        there is no such angle, and these are those of zero.
     """
 
     near: float

@@ -230,10 +230,10 @@ class OneCouplerLinkage:
             "weld": topology.welds,
         }
         counts = {name: len(each) for name, each in parts.items()}
-        told = (f"{n} {name}{'s' * (n > 1)}" for name, n in counts.items() if n)
+        counted = (f"{n} {name}{'s' * (n > 1)}" for name, n in counts.items() if n)
         refusal = InputError(
-            f"{METHOD}, whose loop has one coupler; this linkage has {', '.join(told)}: the "
-            "vectors that would have to vanish are others"
+            f"{METHOD}, whose loop has one coupler; this linkage has {', '.join(counted)}: "
+            "other vectors would have to vanish"
         )
         if tuple(counts.values()) not in (_FOUR_BAR, _SLIDER_CRANK):
             raise refusal
@@ -298,9 +298,9 @@ class OneCouplerLinkage:
         Returns
         -------
         tuple of complex
-            Of each turning link, along and across its frame in kg m. With them nothing of a
-            four-bar's shaking force by inertia is left; of a slider-crank's that of the
-            reciprocating mass and of the counterweight's share against it.
+            First moment of each turning link, along and across its frame, in kg m. With them a
+            four-bar has no shaking force by inertia; a slider-crank keeps that of the reciprocating
+            mass and of the counterweight's share against it.
         """
         first, second = self.coupler_masses(masses)
         loads = [first + share * second] if self.follower is None else [first, second]

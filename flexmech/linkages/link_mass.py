@@ -15,8 +15,9 @@ MassMoments = tuple[FloatArray, ComplexArray, FloatArray]
 """Mass, first moment along and across a link, and polar second moment about its start."""
 
 LEAST_DISTANCE = 1 / 500
-"""Of point masses, bodies, loads and springs, in lengths of their link: a beam element as short is
-1e8 times as stiff as the link, and eight of sixteen digits are left for its lowest frequencies."""
+"""Least distance of point masses, bodies, loads and springs from each other, in lengths of their
+link: a beam element as short is 1e8 times as stiff as the link, and eight of sixteen digits are
+left for its lowest frequencies."""
 
 
 @dataclass(frozen=True)
@@ -268,8 +269,8 @@ class LinkMass:
 def lumped_elements(topology: Topology) -> tuple[int, ...]:
     """Elements of each link whose mass is lumped as Kumar & Chandrakar have it.
 
-    Their crank has one element, coupler and rocker have four (Figure 1.5). Of any linkage a
-    clamped link to which another one is pinned has one and every other link four.
+    Their crank has one element, coupler and rocker have four (Figure 1.5). In any linkage a clamped
+    link to which another one is pinned has one and every other link four.
 
     Parameters
     ----------

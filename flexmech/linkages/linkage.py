@@ -176,10 +176,10 @@ _BESIDE = 1 / 16
 def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
     """Angles of the links without jumps of whole turns.
 
-    A linkage gives each angle within one turn. Here every angle is unwrapped from crank angle
-    zero, where it keeps its value, and continued over further turns of the crank. Of a crank that
-    does not turn fully, each range of crank angles is unwrapped separately, the one around zero
-    from there and any other from its start; a whole turn more is the same posture.
+    A linkage gives each angle within one turn. Here every angle is unwrapped from crank angle zero,
+    where it keeps its value, and continued over further turns of the crank. Where the crank does
+    not turn fully, each range of crank angles is unwrapped separately, the one around zero from
+    there and any other from its start; a whole turn more is the same posture.
 
     Parameters
     ----------

@@ -136,8 +136,8 @@ def moving_points(linkage: Linkage) -> dict[str, LinkEnd]:
     Returns
     -------
     dict of str to LinkEnd
-        Of a drawing its points; of other linkages the pins and sliders, each place once, and free
-        ends of links, called tips. None of a frame that stands still.
+        Points of a drawing; pins and sliders of other linkages, each place once, and free ends of
+        links, called tips. A frame that stands still has none.
     """
     if isinstance(linkage, PlanarLinkage):
         drawing = linkage.drawing

@@ -1,4 +1,4 @@
-"""What a ply is composed of, so that it can be computed again with a softer resin."""
+"""Composition of a ply, so that it can be computed again with a softer resin."""
 
 from __future__ import annotations
 

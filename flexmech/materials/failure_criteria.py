@@ -155,8 +155,8 @@ class FailureCriterion:
         Returns
         -------
         ndarray, shape (...)
-            Of ``max-stress``, ``puck`` and ``von-mises`` the stress over that at failure; of
-            ``tsai-hill``, ``tsai-wu`` and ``hashin`` the left side of their equations.
+            Stress over that at failure for ``max-stress``, ``puck`` and ``von-mises``; the left
+            side of their equations for ``tsai-hill``, ``tsai-wu`` and ``hashin``.
         """
         stress = np.asarray(stress, dtype=float)
         if self.exposure:

@@ -129,7 +129,8 @@ class FatigueStrength:
         Parameters
         ----------
         amplitude, mean : ndarray, shape (...)
-            Of stress cycles, in Pa. A mean stress in compression is not counted as relief.
+            Amplitude and mean of stress cycles, in Pa. A compressive mean stress is not counted as
+            relief.
 
         Returns
         -------

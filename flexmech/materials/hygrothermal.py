@@ -25,7 +25,7 @@ GREATEST_MOISTURE = 0.10
 
 
 class UnknownStiffnessError(InputError):
-    """A resin in a state whose stiffness cannot be told from that at the reference."""
+    """A resin in a state whose stiffness does not follow from that at the reference."""
 
 
 @dataclass(frozen=True)

@@ -44,9 +44,9 @@ def moisture_of(ply: Ply, offered: float) -> float:
 def ply_in_state(ply: Ply, temperature: float, moisture: float, reference: float) -> Ply:
     """The ply with its resin moist and hot.
 
-    A ply of known composition is computed again from its fibre and the softer resin. Of a neat
-    resin all moduli fall alike; of a ply by its measured constants those that the resin dominates
-    do (E2, G12, G13, G23), and E1, Poisson's ratio, the damping and the expansions stay. Strengths
+    A ply of known composition is computed again from its fibre and the softer resin. All moduli of
+    a neat resin fall alike; in a ply given by measured constants those that the resin dominates do
+    (E2, G12, G13, G23), and E1, Poisson's ratio, the damping and the expansions stay. Strengths
     that are stated fall as the resin's does, but for that of fibres in tension.
 
     Parameters
@@ -117,8 +117,9 @@ def ply_diluted(ply: Ply, growth: float) -> Ply:
 def through_thickness_strain(ply: Ply, temperature_rise: float, moisture: float) -> float:
     """Free strain of a ply through its thickness.
 
-    Of a unidirectional or an isotropic ply the two are one. In a woven one the crossed fibres
-    hold the plane and not the thickness, where the ply expands as its unidirectional half.
+    It equals the transverse strain of a unidirectional or an isotropic ply. In a woven one the
+    crossed fibres hold the plane and not the thickness, where the ply expands as its unidirectional
+    half.
 
     Parameters
     ----------

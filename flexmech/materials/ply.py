@@ -37,7 +37,7 @@ class PlyDamping:
     Parameters
     ----------
     longitudinal, transverse, shear : float
-        Of stress along the fibres, across them, and of shear.
+        Capacity under stress along the fibres, under stress across them, and under shear.
 
     Raises
     ------
@@ -91,8 +91,8 @@ class Ply:
         the resin.
     name : str
     origin : PlyComposition or ResinContent, optional
-        What the ply was computed from, or the resin in it where only that is known: by it the
-        ply takes up water and softens.
+        Constituents that the ply was computed from, or the resin in it where only that is known: by
+        it the ply takes up water and softens.
     yield_strength : float, optional
         Yield strength of an isotropic ply, in Pa.
     strength : PlyStrength, optional

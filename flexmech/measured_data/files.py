@@ -1,4 +1,4 @@
-"""Records from files of any kind that is known here, told by the ending; CSV files."""
+"""Records from files of every known kind, identified by the ending; CSV files."""
 
 from __future__ import annotations
 

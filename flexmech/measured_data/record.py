@@ -16,7 +16,7 @@ from flexmech.validation import check_choice, checked_array, checked_tuple
 Abscissa = Literal["time", "frequency", "crank_angle"]
 # SI unit of what a record is written over.
 ABSCISSA_UNITS: dict[Abscissa, str] = {"time": "s", "frequency": "Hz", "crank_angle": "rad"}
-# Fewer have no usual step, beside which another could be told as uneven.
+# Fewer have no usual step, beside which another could be called uneven.
 LEAST_SAMPLES = 3
 # No measured number is greater in SI units; of much greater ones squares overflow.
 GREATEST = 1e60

@@ -35,8 +35,8 @@ KINDS: dict[UffFunctionKind, int] = {
     "coherence": 6,
 }
 ABSCISSAE = {"time": 17, "frequency": 18, "other": 1}
-# Of the format: the code of SI in data set 164, that of complex modes in data set 55, and how many
-# characters a line of text and the name of an entity have room for.
+# Constants of the format: the code of SI in data set 164, that of complex modes in data set 55, and
+# how many characters a line of text and the name of an entity have room for.
 SI_CODE, COMPLEX_MODE = 1, 3
 LINE, ENTITY = 80, 10
 # Part of its step by which an abscissa may miss even spacing: the step is written with six digits,
@@ -106,7 +106,7 @@ def contents_of(datasets: Sequence[DataSet]) -> UffFile:
                 raise InputError(f"data set 164 has the factors {units}: correct its units")
         elif number == 151:
             found[151].append(dataset)
-        # Of data at nodes, those of complex modes are read; all other data sets are.
+        # Only complex modes are read from data at nodes; all other data sets are read.
         elif number in readers and len(dataset) > 1 and (number != 55 or "eig" in dataset):
             found[number].append(readers[number](dataset, units))
         else:

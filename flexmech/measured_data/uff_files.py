@@ -151,7 +151,7 @@ def read_uff_record(path: str | PathLike[str]) -> MeasuredRecord:
     """Read the functions of a universal file as one record.
 
     Frequency-response functions make a record over frequency. Without any, functions of time make
-    one over time. Of functions over several abscissae, those over the first one's are taken.
+    one over time. Where functions are over several abscissae, those over the first one's are taken.
 
     Parameters
     ----------

@@ -374,14 +374,14 @@ def function_unit(dataset: Mapping[str, Any], units: UffUnits | None) -> Functio
         ]
     factor = 1.0
     for label, expected, size, power in terms:
-        # Of a ratio, such as a strain, data set 164 says nothing.
-        told = units is not None and expected != ""
+        # For a ratio, such as a strain, data set 164 has no unit.
+        is_scaled = units is not None and expected != ""
         if label is not None and label.unit != expected:
             problem = f"by its data type it is in {expected or 'no unit'}; correct one of the two"
             return FunctionUnit(None, problem=f"is labelled in {label.text}, and {problem}")
-        if told and label is not None and not _alike(label, expected, size):
+        if is_scaled and label is not None and not _alike(label, expected, size):
             return FunctionUnit(None, problem=_contradiction(label, expected, size))
-        if told:
+        if is_scaled:
             factor *= size**power
         elif label is not None:
             factor *= label.factor**power
@@ -437,7 +437,7 @@ def _label(dataset: Mapping[str, Any], axis: str, quantity: UffQuantity) -> _Lab
     if quantity in ("force", "none"):
         text = _POUND.sub("lbf", text)
     try:
-        # What a "g" is, is told by the name before it.
+        # The name before a "g" decides whether it is gram or gravity.
         header = read_header(f"{quantity} [{text}]")
     except InputError:
         return None

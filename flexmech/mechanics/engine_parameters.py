@@ -1,4 +1,4 @@
-"""Parameters of the engines, what is refused of them, and the beam theory that they choose.
+"""Parameters of the engines, values that are refused, and the beam theory that they choose.
 
 The rotation of a free shaft is one more coordinate of the linkage. The frames of the links go on
 turning with the prescribed, mean motion. Against it the shaft turns by a small angle, which is the
@@ -150,11 +150,12 @@ class EngineParameters(ABC):
     masses: ClassVar[tuple[MassChoice, ...]] = ("distributed",)
     element_kinds: ClassVar[tuple[str, ...]]
     counterparts: ClassVar[dict[str, str]]
-    """Of each element of another engine, this one's of the same beam theory or the nearest."""
+    """This engine's element for each one of another engine, of the same beam theory or the
+    nearest."""
     theories: ClassVar[dict[str, str]]
     """Beam theory of each element."""
     finer_elements: ClassVar[dict[str, str]]
-    """Of each element that has one, that of the next finer theory."""
+    """Element of the next finer theory, for each element that has one."""
     untensioned_elements: ClassVar[tuple[str, ...]] = ()
     """Elements whose straight shape carries no tension, as prestress ``axial`` needs it."""
     restrains_ends: ClassVar[bool] = False
@@ -434,7 +435,7 @@ SURELY = 0.5
 COMPRESSED = 0.5
 """Part of the frequency at which soft layers are compressed above which no beam theory is right.
 
-Of 250 random sandwich arms and four-bars with cores of 5e-6 to 0.1 of the faces' modulus, zigzag
+Among 250 random sandwich arms and four-bars with cores of 5e-6 to 0.1 of the faces' modulus, zigzag
 beams were within 1 % of two-dimensional elasticity in all modes below it, and up to 360 % too high
 above."""
 

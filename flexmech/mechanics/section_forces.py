@@ -81,7 +81,8 @@ class DisplacedLinks:
     acting : tuple of PointForce
         Loads and springs at these displacements.
     rate, acceleration : list of ndarray, shape (B, n_link), optional
-        Of the links' coordinates, in their frames; left out at an equilibrium.
+        Rates and accelerations of the links' coordinates, in their frames; left out at an
+        equilibrium.
     """
 
     mechanism: Mechanism
@@ -150,7 +151,7 @@ class DisplacedLinks:
         time : ndarray, shape (B,)
             In s.
         displacement, rate, acceleration : list of ndarray, shape (B, n_link)
-            Of the links' coordinates, in their frames.
+            Displacements of the links in their frames, in m and rad, and their time derivatives.
         drawn : RigidMotion, optional
             By whose velocities springs pull: that on a frame that stands, where ``motion`` has the
             accelerations on one that moves; the same by default.
@@ -396,7 +397,7 @@ def _with_finite_chords(
     on_chord = drawn[:, element] + (place - nodes[element]) * chord[:, element]
     rotation = rotation + excess[:, element] * (1.0 - turned)
     if readings.deflection is None:
-        # Of sections that shear: between those of the nodes.
+        # With shear deformation: between the rotations of the nodes.
         of_nodes = q[:, readings.slope :: per_node]
         share = (place - nodes[element]) / np.diff(nodes)[element]
         rotation = (1.0 - share) * of_nodes[:, element] + share * of_nodes[:, element + 1]

@@ -122,7 +122,7 @@ class LinearSystem:
         Returns
         -------
         ndarray, shape (B, frames.size, m)
-            Of a frame on springs the three coordinates follow.
+            Displacements in m and rad; the three coordinates of a frame on springs follow.
         """
         if self.bases is None:
             return vectors
@@ -150,9 +150,9 @@ class LinearSystem:
         Returns
         -------
         list of ndarray, shape (n_link, m)
-            Of the coordinates of each unreduced link.
+            Shapes in the coordinates of each unreduced link.
         ndarray, shape (3, m)
-            Of those of a frame on springs; zero of one that stands.
+            Shapes in the coordinates of a frame on springs; zero where it stands.
         """
         shapes = [q[0] for q in self.unreduced_links(vectors)]
         of_frame = np.zeros((COORDINATES, vectors.shape[2]))

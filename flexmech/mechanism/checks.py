@@ -53,7 +53,7 @@ def check_joint_masses(topology: Topology, masses: Mapping[str, float]) -> None:
 
 
 def check_shaft(inertia: float, drive: object) -> None:
-    """Refuse an inertia below zero, and what is no drive; None is that of a mechanism without."""
+    """Refuse an inertia below zero, and a value that is no drive; None means no drive."""
     check_number(inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
     remedy = "give a drive that turns the crank, as ConstantSpeed(20.0), or a LawDrive"
     if drive is not None and not isinstance(drive, MotorDrive):

@@ -81,7 +81,7 @@ def estimate_harmonics(
             f"{len(force)} impacts cannot tell {len(orders)} orders apart; give one impact or more "
             "for each order"
         )
-    # What enters at the last bin of the response comes from as many beyond that.
+    # The last bin of the response takes input from as many bins beyond it.
     if (needed := bins + 2 * reach) > count:
         raise InputError(
             f"{bins} bins of the input and {highest_order} orders need {needed} bins of the "

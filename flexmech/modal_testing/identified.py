@@ -106,7 +106,7 @@ class IdentifiedModes:
     @property
     def damping_ratio_error(self) -> FloatArray:
         """Standard errors of the damping ratios by noise, shape (k,)."""
-        # Of the ratio -Re/|pole| by the real and the imaginary part.
+        # Derivatives of the ratio -Re/|pole| by the real and the imaginary part.
         size = self.pole.imag / np.asarray(abs(self.pole), dtype=float) ** 3
         along = np.stack([-self.pole.imag, self.pole.real], axis=1)
         return self._standard_error(along * size[:, None])
@@ -194,7 +194,7 @@ def fit_residues(
     Parameters
     ----------
     s : ndarray of complex, shape (F,)
-        In 1/s; none of them 0. Of records under an exponential window its rate is the real part,
+        In 1/s; none of them 0. Records under an exponential window have its rate as the real part,
         and the poles are free of it.
     receptance : ndarray of complex, shape (points, F)
     pole : ndarray of complex, shape (k,)

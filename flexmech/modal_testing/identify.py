@@ -102,7 +102,7 @@ def highest_near(
         return near
     found, _ = find_peaks(smooth[near])
     highest = near[found[np.argsort(-smooth[near][found], kind="stable")][:most]]
-    # Of two modes that make one peak, one has no height of its own.
+    # Where two modes make one peak, one has no height of its own.
     return np.unique(np.append(highest, np.argmin(abs(frequency - about))))
 
 
@@ -265,8 +265,8 @@ def identify(
         Decay rate in 1/s of the exponential window: it is taken off.
     noise : FrfNoise, optional
         How noise of the records stands in the receptances, as :func:`estimate_frf` knows it: by it
-        modes are told from noise, and poles have standard errors. Without it, white noise of the
-        response under a force that excites all frequencies alike.
+        modes are distinguished from noise, and poles have standard errors. Without it, white noise
+        of the response under a force that excites all frequencies alike.
     orders : int
         Highest number of modes of a model, for ``"lscf"``.
 
@@ -370,7 +370,7 @@ def _with_guesses(
     """Poles with one for each expected mode that has none, damped as the mode nearest to it.
 
     A mode that overlaps another, or is cut by the band's end, shows neither peak nor circle.
-    Whether it is there is told by the fit.
+    The fit decides whether it is there.
     """
     if wanted is None or pole.size == 0:
         return pole
@@ -403,7 +403,7 @@ def _fitted(
 def _distinct(pole: ComplexArray, added_damping: float) -> ComplexArray:
     """Poles without the second of two that lie within a part of their width.
 
-    One mode is told by two such poles with great residues of opposite sign.
+    Two such poles with great residues of opposite sign are one mode.
     """
     kept: list[complex] = []
     for one in pole.tolist():

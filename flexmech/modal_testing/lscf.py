@@ -177,7 +177,7 @@ def stabilisation_chart(poles: Sequence[ComplexArray], added_damping: float) -> 
         near = _relative(_size(now)[:, None], _size(before)) < FREQUENCY_TOLERANCE
         alike = _relative(_ratio(now)[:, None], _ratio(before)) < DAMPING_TOLERANCE
         same_frequency.append(near.any(axis=1))
-        # What grows is no mode of a structure that was hit.
+        # A growing term is no mode of a structure that was hit.
         same_pole.append((near & alike).any(axis=1) & (now.real < 0.0))
         before = now
     order = np.repeat(np.arange(1, len(poles) + 1), [each.size for each in poles])

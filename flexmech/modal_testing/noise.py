@@ -43,7 +43,7 @@ class FrfNoise:
         Sum of the samples of the windowed force at each frequency; of several hits the root of the
         sum of their squares, with their common phase.
     response_window, force_window : ndarray, shape (N,)
-        What multiplies the samples of the response, and those of the force.
+        Factors of the samples of the response, and of those of the force.
     force_level : float
         Root mean square of the noise of the force; 0 where it is not known.
     """
@@ -90,12 +90,12 @@ class FrfNoise:
         return FrfNoise(self.line[kept], self.force[kept], *windows, self.force_level)
 
     def of_response(self, rows: FloatArray) -> FloatArray:
-        """What multiplies the samples of the response in numbers linear in a receptance.
+        """Factors of the samples of the response in numbers linear in a receptance.
 
         Parameters
         ----------
         rows : ndarray, shape (R, 2 F)
-            What multiplies the real parts of the receptance, then the imaginary ones.
+            Factors of the real parts of the receptance, then of the imaginary ones.
 
         Returns
         -------
@@ -106,7 +106,7 @@ class FrfNoise:
         return np.asarray(scipy.fft.fft(spectrum, axis=1).real * self.response_window)
 
     def of_force(self, rows: FloatArray, receptance: ComplexArray) -> FloatArray:
-        """What multiplies the samples of the force that its window keeps.
+        """Factors of the samples of the force that its window keeps.
 
         Parameters
         ----------
@@ -178,6 +178,6 @@ class FrfNoise:
 
 
 def _coefficients(rows: FloatArray) -> ComplexArray:
-    """What multiplies a complex receptance, so that the real part is the number: (R, F)."""
+    """Factors of a complex receptance that make its real part the number, (R, F)."""
     real, imaginary = np.split(rows, 2, axis=1)
     return np.asarray(real - 1j * imaginary)

@@ -380,8 +380,8 @@ def element_shear(section: BeamSection, length: FloatArray) -> tuple[FloatArray,
         Stiffness in N. What it strains is the shear angle of the section and the bending of the
         element together; their common shear force is right.
     ndarray, shape (e,)
-        Kelvin-Voigt time in s. Of both flexibilities, each with its own time: under one shear
-        force their rates add up, and so do the losses.
+        Kelvin-Voigt time in s. The two flexibilities have a time each: under one shear force their
+        rates add up, and so do the losses.
     """
     shearing, times = 1 / section.shear_stiffness, section.damping
     bending = np.asarray(length**2 / (12 * section.bending_stiffness))
@@ -437,7 +437,7 @@ def _cubic_derivatives(points: FloatArray, length: FloatArray) -> list[FloatArra
 def _interpolated(chain: FloatArray, shapes: FloatArray) -> FloatArray:
     """Vectors (2, m, e, g) from nodal positions and slopes (m, 4 (e + 1)).
 
-    Of both components by one product with all shapes, which are few.
+    One product with all shapes, which are few, gives both components.
     """
     elements, points = shapes.shape[:2]
     matrix = np.zeros((elements + 1, 2, elements, points))
@@ -496,7 +496,7 @@ def add_node_bodies(
     Returns
     -------
     list of ItemNumber
-        Of the bodies.
+        Numbers of the bodies.
     """
     length, per_length = np.diff(positions), section.mass_per_length
     soft = section.bending_stiffness / section.shear_stiffness

@@ -353,7 +353,7 @@ class RunningConnectors(ConnectorItems):
         motion : RigidMotion
             At these times.
         displacement, rate : sequence of ndarray, shape (m, n_link)
-            Of the links in its frames.
+            Displacement of the links in their frames, in m and rad, and its rate.
         carried : RigidMotion
             The motion in ground axes, where ``motion`` is in those of a frame on springs.
 
@@ -385,7 +385,7 @@ class RunningConnectors(ConnectorItems):
         motion : RigidMotion
             Batch of shape (m,).
         displacement, rate : sequence of ndarray, shape (m, n_link)
-            Of the links in its frames.
+            Displacement of the links in their frames, in m and rad, and its rate.
         """
         forces, moved = {}, self._moved(motion, displacement, rate)
         for item in self.joints:

@@ -40,7 +40,7 @@ def add_sensors(model: RunningModel) -> None:
     They are named as ``coupler_deflection``, ``pin_A_force`` and ``driving_torque``. A
     deflection is that of the middle off the line between the link's ends, or of a clamped
     link's tip off the tangent at its clamp; a force acts on the held or following link, in
-    ground axes. Of a frame on springs there are ``frame_place`` and ``frame_rotation``.
+    ground axes. A frame on springs has ``frame_place`` and ``frame_rotation``.
 
     Parameters
     ----------
@@ -130,8 +130,8 @@ SCRIPT = "linkage.py"
 class ExudynSystem:
     """The assembled Exudyn system of a running mechanism, with named items and sensors.
 
-    Of :func:`flexmech.exudyn_system`. It stands at time zero with the velocities of its start,
-    and is solved by the settings with which flexmech itself runs it.
+    :func:`flexmech.exudyn_system` returns it. It stands at time zero with the velocities of its
+    start, and is solved by the settings with which flexmech itself runs it.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ class ExudynSystem:
         A Python script that makes the same system, solves it and prints deflections; it
         needs exudyn and numpy alone.
     remarks : tuple of str
-        What was chosen for it that the model leaves open.
+        Choices that the model leaves open.
 
     Examples
     --------

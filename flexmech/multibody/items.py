@@ -160,7 +160,7 @@ class SystemBody:
     Parameters
     ----------
     number, node : ItemNumber
-        Of the body and its node.
+        Numbers of the body and its node.
     first : int
         First coordinate of its node among Exudyn's of links and attached bodies.
     mass : float

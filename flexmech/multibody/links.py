@@ -400,8 +400,8 @@ class LinkPart:
     coordinates : slice
         Where the link's coordinates are in those of all links.
     node_map : NodeMap
-        Map from them to those of the nodes, on the neutral axis. Of a cable it is of nodes at
-        which something holds the direction of the slope.
+        Map from them to those of the nodes, on the neutral axis. For a cable it leads to the nodes
+        at which something holds the direction of the slope.
     """
 
     name: str

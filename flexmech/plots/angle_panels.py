@@ -36,7 +36,7 @@ TWO_COLUMNS_FROM = 4
 # on top of each other than these are flatter: eight of them fit a page of 240 mm.
 PANEL_HEIGHT, MOST_TALL, FLAT_PANEL = 1.4, 5, 1.1
 FEW_SPEEDS = 5
-"""More crank speeds than these are told by a colour map rather than by styles."""
+"""More crank speeds than these are distinguished by a colour map rather than by styles."""
 # Lightest part of viridis, which is perceptually uniform and grows lighter throughout; its yellow
 # end cannot be seen on white.
 LIGHTEST = 0.9

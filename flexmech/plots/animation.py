@@ -178,7 +178,7 @@ def _true_path(turn: xr.Dataset, places: FloatArray, links: list[str]) -> tuple[
 
 
 def _at_rest(rigid: FloatArray) -> NDArray[np.bool_]:
-    """Which ends of links stay in place; of a single sample nothing can be told."""
+    """Which ends of links stay in place; a single sample shows none."""
     ends = rigid[:, :, [0, -1]]
     rests = np.ptp(ends, axis=0).max(axis=-1) <= SAME_PLACE * extent_of(ends)
     return np.asarray(rests & (len(ends) > 1))

@@ -312,8 +312,8 @@ def key_of(values: xr.DataArray) -> str:
     names = _names(values)
     if max(map(len, names), default=0) <= MOST_LETTERS:
         return ""
-    told = ", ".join(f"{number}: {value}" for number, value in enumerate(names, 1))
-    return f"{label(values)}: {told}"
+    numbered = ", ".join(f"{number}: {value}" for number, value in enumerate(names, 1))
+    return f"{label(values)}: {numbered}"
 
 
 def _names(values: xr.DataArray) -> list[str]:
@@ -327,7 +327,7 @@ MOST_LINKAGES, STRIP, PIN = 5, 0.36, 1.4
 
 
 def plot_pareto(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw what one goal costs of the others: the designs that no other is better than.
+    """Draw the trade-off of the goals: the designs that no other is better than.
 
     Some of them are drawn above it, to one scale, where the dataset has their ``rigid_position``
     (design, link, station, component).

@@ -27,7 +27,7 @@ from flexmech.plots.style import MID_GREY, Look, legend_handles, line_handle
 # Width in points of a line with at most so many turning points in a panel of 450 points' width, so
 # that waves stay apart.
 LINE_WIDTHS = ((80, 1.1), (350, 0.7), (np.inf, 0.5))
-# Of a line with more turning points in a panel of that width the waves run together into a blot:
+# The waves of a line with more turning points in a panel of that width run together into a blot:
 # its envelope is drawn, by the least and greatest value in each of so many stretches.
 MOST_TURNING_POINTS, STRETCHES = 700, 300
 ENVELOPE: Look = {"alpha": 0.25, "lw": 0.0}
@@ -58,7 +58,7 @@ class PlotFunction(Protocol):
 
 
 def figure(picture: Callable[[xr.Dataset], Picture]) -> PlotFunction:
-    """Make a function that says what is shown of a dataset one that draws it.
+    """Turn a function that selects what a picture shows into one that draws it.
 
     Parameters
     ----------
@@ -246,6 +246,10 @@ def draw_pane(axes: Axes, pane: Pane) -> None:
     _label_ends(axes, pane)
     if pane.label:
         axes.set_ylabel(pane.label)
+    if pane.right:
+        factor = pane.right.factor
+        there_and_back = (lambda value: factor * value, lambda value: value / factor)
+        axes.secondary_yaxis("right", functions=there_and_back).set_ylabel(pane.right.label)
 
 
 def _label_ends(axes: Axes, pane: Pane) -> None:

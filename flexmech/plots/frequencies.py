@@ -193,8 +193,8 @@ def has_no_curve_over_angle(dataset: xr.Dataset) -> bool:
 def plot_frequencies_over_speed(dataset: xr.Dataset) -> Picture:
     """Draw natural frequencies against crank speed, one panel a mode, one line a crank angle.
 
-    Modes are in order of frequency at each speed. The first engine is drawn as lines, the others
-    as markers. Of more than six crank angles six are drawn, evenly spread.
+    Modes are in order of frequency at each speed. The first engine is drawn as lines, the others as
+    markers. At most six crank angles are drawn, evenly spread.
 
     Parameters
     ----------
@@ -264,7 +264,7 @@ def plot_damping(dataset: xr.Dataset) -> Picture:
     are no damping; an undamped mechanism has these alone. Modes are in order of frequency at each
     angle. Where two of them change places a line breaks off and goes on elsewhere: it does not
     join the damping of different vibrations. The first engine is drawn as lines, the others as
-    markers. Of more than six speeds, six are drawn, evenly spread.
+    markers. At most six speeds are drawn, evenly spread.
 
     Parameters
     ----------

@@ -69,7 +69,8 @@ RESIDUAL: Look = {"color": SERIES_STYLES[1].color, "lw": 0.8}
 # Marks at the first and last crank angle hang over the edge.
 POINTS: Look = {"ls": "", "marker": "o", "ms": 3.2, "mfc": "none", "mew": 0.9, "clip_on": False}
 COMPARED = {"measured": MEASURED, "computed": COMPUTED, "residual": RESIDUAL}
-# Of a panel and of the axes in inches: three panels, each with its own axis, fill half a page.
+# Heights of a panel and of the axes in inches: three panels, each with its own axis, fill half a
+# page.
 PANEL_HEIGHT, COMPARED_AXES_HEIGHT = 1.35, 1.5
 # Units in which values are read, by the SI unit.
 READ: dict[str, reading.Units] = {
@@ -203,10 +204,10 @@ def _limits(size: FloatArray) -> tuple[float, float]:
 def plot_comparison(dataset: xr.Dataset) -> Picture:
     """Draw a measured record and the computed one in three panels.
 
-    Over time: both curves with the crank angle on top, the residual, and the spectra of all three.
-    Of a frequency-response function: amplitude, phase, and amplitude of the residual. Of natural
-    frequencies over the crank angle: the frequencies and the residual, in two panels. The heading
-    tells what was fitted, with its 95 % interval.
+    A record over time has both curves with the crank angle on top, the residual, and the spectra of
+    all three. A frequency-response function has amplitude, phase, and amplitude of the residual.
+    Natural frequencies over the crank angle have two panels, frequencies and residual. The heading
+    names the fitted parameters, with their 95 % intervals.
 
     Parameters
     ----------
@@ -247,8 +248,8 @@ def _fitted(own: xr.Dataset) -> str:
         np.array([value]), PARAMETER_UNITS.get(unit, ((1.0, unit),))
     )
     digits = max(0, 1 - int(np.floor(np.log10(factor * half)))) if half > 0 else 4
-    told = f"{name.replace('_', ' ')} {factor * value:.{digits}f} ± {factor * half:.{digits}f}"
-    return told if read == "1" else f"{told} {read}"
+    text = f"{name.replace('_', ' ')} {factor * value:.{digits}f} ± {factor * half:.{digits}f}"
+    return text if read == "1" else f"{text} {read}"
 
 
 def _what(dataset: xr.Dataset) -> str:

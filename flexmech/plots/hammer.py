@@ -34,13 +34,13 @@ from flexmech.plots.reading import (
 )
 from flexmech.plots.style import series_line
 
-# Of a record, three of which fill half a page, of a circle with its axes, of the chart, and of a
-# shape, which is flat; in inches.
+# Heights in inches: a record, three of which fill half a page; a circle with its axes; the chart;
+# and a shape, which is flat.
 HEIGHT, CIRCLE_HEIGHT, CHART_HEIGHT, SHAPE_HEIGHT = 1.53, 2.3, 3.0, 1.5
 # More impacts hide each other and have no style of their own, more modes fill more than a page.
 MOST_RECORDS = MOST_MODES = 6
-# Of a response that decays so many waves can be told in a panel, and what is below this part of its
-# greatest displacement cannot be told from zero.
+# So many waves of a decaying response can be distinguished in a panel, and below this part of its
+# greatest displacement it cannot be distinguished from zero.
 MOST_WAVES, LEAST_SEEN = 100, 0.02
 # What is drawn of the force's record, in pulse durations about its start: the pulse takes a sixth.
 BEFORE_PULSE, AFTER_PULSE = 2.0, 4.0
@@ -90,8 +90,8 @@ NO_GRID = "this hammer test has no grid of impacts; ask for it by grid=N (--grid
 def plot_hammer(dataset: xr.Dataset) -> Picture:
     """Draw force pulse, response in time, and coherence over frequency.
 
-    Of the response the beginning is drawn in which waves can be told from each other. Without
-    noise the coherence is 1 at all frequencies, and has no panel.
+    The response is drawn from its beginning up to where waves can be distinguished. Without noise
+    the coherence is 1 at all frequencies, and has no panel.
 
     Parameters
     ----------
@@ -138,13 +138,13 @@ def plot_hammer(dataset: xr.Dataset) -> Picture:
 
 
 def _seen_until(time: FloatArray, response: FloatArray) -> float:
-    """Time up to which the waves of a response can be seen, and told from each other, in s."""
+    """Time up to which the waves of a response can be seen, and distinguished, in s."""
     size = np.abs(response)
     seen = int(np.flatnonzero(size >= LEAST_SEEN * size.max())[-1]) + 1
     crossings = np.flatnonzero(np.diff(np.signbit(response)))
     # Two crossings of zero are a wave.
-    told = int(crossings[2 * MOST_WAVES]) if crossings.size > 2 * MOST_WAVES else len(time) - 1
-    return float(time[min(seen, told, len(time) - 1)])
+    distinct = int(crossings[2 * MOST_WAVES]) if crossings.size > 2 * MOST_WAVES else len(time) - 1
+    return float(time[min(seen, distinct, len(time) - 1)])
 
 
 def plot_nyquist(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:

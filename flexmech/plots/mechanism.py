@@ -45,18 +45,18 @@ POINTS = ("coupler point", "coupler's middle")
 POINT_PATH: Look = {"color": series_style(0).color, "lw": 1.3}
 COUPLER: Look = {"fc": series_style(0).color, "alpha": 0.12, "lw": 0, "zorder": 0.6}
 MASS_COLOR = series_style(1).color
-# Greys of plies in the order in which they come, apart enough to be told.
+# Greys of plies in the order in which they come, apart enough to be distinguished.
 PLY_GREYS = ("0.92", "0.72", "0.52", "0.82", "0.62")
 WHOLE_FRAME: Look = {"fc": "none", "ec": OUTLINE, "lw": 0.7}
 UNKNOWN_WIDTH = WHOLE_FRAME | {"ls": (0.0, (3.0, 2.0))}
 # A line of the words beside sections in inches: a third more than the height of their letters.
 LINE_INCHES = 0.13
-# Of the panel of sections: share of the width that sections have, the rest is for words; and height
-# of the scale bar with its own.
+# Panel of sections: the share of the width that sections have, the rest is for words; and the
+# height of the scale bar with its own.
 DRAWN, BAR_INCHES = 0.42, 0.32
 # Share of the width that sections have beside a posture: their words need a third of a page.
 BESIDE = 0.36
-# More layers than these are told by their greys alone: edges would fill them.
+# More layers than these are distinguished by their greys alone: edges would fill them.
 MOST_EDGES = 60
 
 
@@ -262,7 +262,7 @@ class _Stacks:
     Parameters
     ----------
     width, height : float
-        Of the panel in inches.
+        Size of the panel in inches.
     scale : float
         Millimetres an inch of the panel.
     rows : list of _Row

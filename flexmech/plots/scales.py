@@ -30,8 +30,9 @@ WIDE = 4.0
 # below them, and as much above.
 HALF_AXIS = 0.58
 
-# Of a panel over time in inches: four of them and their axes fit half a page, seven a page. Of two
-# columns, whose last row may stand between those above, with numbers on either side.
+# Heights of panels over time in inches: four of them and their axes fit half a page, seven a page.
+# The last height is that in two columns, whose last row may stand between those above, with numbers
+# on either side.
 TIME_PANEL_HEIGHT, MOST_OF_A_PAGE, TIME_ROW_HEIGHT = 1.11, 7, 1.25
 # What the axes of time and of crank angle take, in inches: letters of their numbers and words.
 TIME_AXES_HEIGHT = 0.85

@@ -27,7 +27,7 @@ INSIDE, LINE = 140.0, 1.3
 MOST_NAMES = 22
 # Letters of a name that the panel of layers holds beside the stack.
 LONGEST_NAME = 24
-# Greys of the plies: light enough for the lines on them, apart enough to be told.
+# Greys of the plies: light enough for the lines on them, apart enough to be distinguished.
 LIGHTEST, DARKEST = 0.96, 0.80
 # A line between layers that have one shade and different angles.
 BETWEEN_LAYERS: Look = {"edgecolor": "0.70", "lw": 0.3, "zorder": 0.5}
@@ -53,8 +53,8 @@ PROFILES = (
 LAYERS_PANEL = 2
 PASCAL = {-3: "mPa", 0: "Pa", 3: "kPa", 6: "MPa", 9: "GPa"}
 
-# Of a link's two panels in inches, four of which fit a page; on a narrow page they stand under each
-# other, and six do.
+# Height of a link's two panels in inches, four of which fit a page; on a narrow page they stand
+# under each other, and six do.
 ROW_HEIGHT, NARROW_ROW_HEIGHT = 2.1, 1.6
 # Formulas beside the finite volumes, by the numbers of their styles.
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}
@@ -351,7 +351,7 @@ def _after(dataset: xr.Dataset) -> list[str]:
 
 
 def _colours(dataset: xr.Dataset) -> list[tuple[float, float, float, float]]:
-    """Dark to light with time, told apart in grey as well."""
+    """Dark to light with time, distinct in grey as well."""
     places = np.linspace(0.0, 0.85, dataset.sizes["profile_time"])
     return [mpl.colormaps["viridis"](place) for place in places]
 

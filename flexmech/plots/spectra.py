@@ -36,11 +36,11 @@ LABEL_ROOM = 0.15
 def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the amplitude spectrum of each link's deflection, one panel a link.
 
-    Of a periodic motion the amplitudes stand as stems at the orders of the crank, those of
-    further engines as open marks; what is between the orders, as thin lines, does not repeat.
-    Shaded bands are the ranges that the predicted natural frequencies pass through over a turn,
-    or over the crank angles that a law passes; the axis on top counts the harmonics of the crank's
-    turning frequency.
+    The amplitudes of a periodic motion stand as stems at the orders of the crank, those of further
+    engines as open marks; what is between the orders, as thin lines, does not repeat. Shaded bands
+    are the ranges that the predicted natural frequencies pass through over a turn, or over the
+    crank angles that a law passes; the axis on top counts the harmonics of the crank's turning
+    frequency.
 
     Parameters
     ----------
@@ -106,13 +106,13 @@ def _names_of_bands(bands: dict[int, tuple[float, float]], limit: float) -> list
 
 def _pane(dataset: xr.Dataset, link: str, spans: tuple[Span, ...]) -> Pane:
     """Spectra of one link's deflection by all engines, on a logarithmic axis."""
-    # Of a periodic motion the orders stand so many frequencies apart.
+    # The orders of a periodic motion stand so many frequencies apart.
     turns = int(dataset.attrs.get("spectrum_turns", 0))
     spectrum = dataset["spectrum"].sel(link=link)
     amplitude = reading.values_of(spectrum, "engine", "spectrum_frequency")
     frequency = spectrum["spectrum_frequency"].values
     highest = float(np.nanmax(amplitude, initial=0.0)) or 1.0
-    # Of stems the first is order 1, and what is between them does not count for the axis.
+    # The first stem is order 1, and values between the stems do not count for the axis.
     amplitude, frequency = amplitude[:, turns:], frequency[turns:]
     least = np.nanmin(amplitude[:, :: turns or 1], initial=highest)
     lowest = float(np.clip(least, highest * 10.0**-DECADES, 0.1 * highest))

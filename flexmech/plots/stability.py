@@ -52,14 +52,14 @@ LABEL_POINTS = 6.5
 # Names at most, as more would hide the curve under them, and the part of the axes' width that one
 # takes upright: a letter's height with some room, on a wide and on a narrow page.
 NAMES, NARROW_NAMES = (14, 0.024), (7, 0.045)
-# Of the axes' width, two points: narrower bands are marks at the lower edge, of this part of the
-# height, which hide no curve.
+# Narrowest band that is drawn as one, as a part of the axes' width (two points): narrower ones are
+# marks at the lower edge, of this part of the height, which hide no curve.
 LEAST_WIDTH, MARK_HEIGHT = 0.004, 0.05
 # Part of the greatest growth rate: bands that grow more slowly lie on the line of zero,
 # without names.
 LEAST_NAMED = 0.02
 
-# Of both panels in inches: the upper one holds the names of bands too.
+# Heights of the panels in inches: the upper one holds the names of bands too.
 GROWTH_HEIGHT, MODULUS_HEIGHT = 2.6, 1.7
 ZERO: Look = {"color": "0.55", "lw": 0.6, "zorder": 1}
 # Height of the axis over that of the curve: names of bands, of eleven letters, stand above it.
@@ -230,9 +230,9 @@ def plot_stability(dataset: xr.Dataset) -> Picture:
 
     Shaded are the unstable bands of the first engine, each with what meets there: f₁ and f₃ are
     Floquet frequencies, f is the crank's. Hatched are speeds without equilibrium. The curve runs
-    through the speeds asked for, which are marked where they are few, through those between
-    that were solved for, and through edges and fastest speed of each band. Of further engines the
-    curves alone are drawn.
+    through the speeds asked for, which are marked where they are few, through those between that
+    were solved for, and through edges and fastest speed of each band. Further engines are drawn as
+    curves alone.
 
     Parameters
     ----------
@@ -308,7 +308,7 @@ def _scale(
 
 # Height of an engine's panel in inches: two fill two thirds of a page.
 PANEL_HEIGHT = 2.9
-# Grows darker throughout, and begins where it is told from white.
+# Grows darker throughout, and begins where it is distinct from white.
 COLOURS = LinearSegmentedColormap.from_list(
     "growth", mpl.colormaps["YlOrBr"](np.linspace(0.15, 1.0, 256))
 )

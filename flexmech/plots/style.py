@@ -186,7 +186,7 @@ def publication_style() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class SeriesStyle:
-    """How one series is told from the others, in colour and without it."""
+    """Look of one series, distinct from the others in colour and without it."""
 
     color: str
     linestyle: Literal["-"] | tuple[float, tuple[float, ...]]

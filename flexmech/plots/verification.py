@@ -26,7 +26,7 @@ LIMIT: Look = {"color": "0.2", "lw": 1.0, "ls": "--"}
 def plot_verification(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw each deviation over its tolerance, a row for each subject.
 
-    What lies left of the dashed line is near enough. Cases that were skipped or could not be
+    Cases left of the dashed line are near enough. Cases that were skipped or could not be
     computed have no deviation; the latter stand at the right end.
 
     Parameters

@@ -95,7 +95,7 @@ def _with_bending(chain: Chain, axial: LinkStretch) -> LinkStretch:
     bent = _of_link(directions @ elements.to_neutral_axis)[kept]
     stretched = _elongations(elements)[np.nonzero(kept)[0]]
     slopes = np.stack([bent + stretched, bent - stretched], axis=1)
-    # Of the second order alone is the damping of all bending that of curvature.
+    # Curvature damps all bending, and is alone of the second order.
     time = np.full(len(root), elements.section.damping.bending)
     return replace(
         axial,

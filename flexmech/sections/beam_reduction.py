@@ -202,8 +202,8 @@ class Strip:
     def strains(self) -> FloatArray:
         """Strains x, z and xz of each layer at the mid-plane, and their gradients in y.
 
-        By mid-plane strain and gradient along the link: (2, N, 2, 3). Of what happens side by side
-        along the width, the mean.
+        By mid-plane strain and gradient along the link: (2, N, 2, 3); the mean over fields that
+        stand side by side along the width.
         """
         mean = sum(np.einsum("qp,qnij->pnij", share, fields) for fields, share in self._parts)
         return np.asarray(mean)
@@ -311,7 +311,7 @@ class Strip:
         amounts = np.asarray(np.linalg.solve(joined.stiffness, coupling), dtype=float)
         residual = strain - np.tensordot(amounts, slender, axes=1)
         if self.reduction == "narrow":
-            # Of like size, whatever the units of the warping.
+            # All shapes have a like size, whatever the units of the warping.
             shapes = np.stack([np.ones_like(y), y, residual[..., 0]])
             shapes /= np.abs(shapes).max(axis=(1, 2))[:, None, None]
             free = np.zeros((2, *shapes.shape, 3))

@@ -29,7 +29,7 @@ from flexmech.validation import (
 
 Layers = LaminateSection | SheetSection
 
-# What goes with the layers, and the place that follows from two of these.
+# Values that go with the layers, and the place that follows from two of these.
 _STIFFNESSES = ("axial_stiffness", "bending_stiffness", "shear_stiffness")
 _INERTIAS = ("mass_per_length", "rotary_inertia")
 _NEUTRAL_AXIS = "neutral_axis"

@@ -69,8 +69,8 @@ NARROWEST, WIDEST = 0.01, 12.0
 # Layers at one angle that differ less belong to one run: the slices of a moist ply, whose resin
 # softens by less from one to the next; plies of other fibres differ by more.
 ALIKE = 0.2
-# Part of the joined plies' stiffness that free ones lack, below which both are the same. Of equal
-# plies rounding leaves 2e-14, and what lacks a millionth changes no frequency that is told.
+# Part of the joined plies' stiffness that free ones lack, below which both are the same. Rounding
+# leaves 2e-14 for equal plies, and a millionth changes no frequency that is printed.
 NEGLIGIBLE = 1e-6
 
 

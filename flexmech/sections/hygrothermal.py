@@ -1,9 +1,9 @@
 """A beam section in heat and water: swollen, softer, heavier, and curved where unevenly so.
 
-Classical lamination theory gives the strains that a stack takes by itself: its layers pull at
-each other until forces and moments vanish (Tsai & Hahn, *Introduction to Composite Materials*,
-ch. 8). Of these the elongation of the neutral axis and the curvature in the plane of the
-linkage matter to a beam; the swelling of its width and thickness goes into its section.
+Classical lamination theory gives the strains that a stack takes by itself: its layers pull at each
+other until forces and moments vanish (Tsai & Hahn, *Introduction to Composite Materials*, ch. 8). A
+beam takes from them the elongation of the neutral axis and the curvature in the plane of the
+linkage; the swelling of its width and thickness goes into its section.
 """
 
 from __future__ import annotations

@@ -356,7 +356,7 @@ class LaminateSection(LayeredSection):
         """The cross-section in three dimensions, all edges free: compliance by six loads.
 
         A narrow link with plies at angles stretches and bends as this section does. Torsion and
-        bending across the linkage's plane are told besides.
+        bending across the linkage's plane are added.
 
         Examples
         --------

@@ -109,7 +109,7 @@ class Parabolas:
     size : int
         Number of nodes.
     rows, columns : ndarray of int, shape (9 n,)
-        Of the matrices' entries, one element after the other.
+        Row and column of the matrices' entries, one element after the other.
     """
 
     def __init__(self, ends: FloatArray) -> None:

@@ -92,7 +92,7 @@ def _inverse_companion(
 def _rigid_shapes(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
     """Rigid shapes (B, n, r) of unit mass, and the lowest frequency (B,) of the others in rad/s.
 
-    Of the symmetric part of the stiffness the rigid motion is the softest.
+    The rigid motion is the softest shape of the symmetric part of the stiffness.
     """
     half = np.linalg.inv(np.linalg.cholesky(system.mass))
     across = np.swapaxes(half, 1, 2)
@@ -121,8 +121,9 @@ class QuadraticModes:
     Parameters
     ----------
     eigenvalues : ndarray of complex, shape (B, m)
-        ``lambda`` in rad/s, imaginary part positive. Of a mode that creeps ``-w``, w the natural
-        frequency of its shape. Of two modes of one frequency the one that grows stands first.
+        ``lambda`` in rad/s, imaginary part positive. A mode that creeps has ``-w``, with w the
+        natural frequency of its shape. Among two modes of one frequency the one that grows stands
+        first.
     vectors : ndarray of complex, shape (B, n, m)
         Without scale; m is zero where they were not asked for.
     oscillating : ndarray of int, shape (B,)

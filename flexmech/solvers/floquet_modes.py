@@ -44,7 +44,7 @@ class VibratingLinkage:
     scale : ndarray, shape (m,)
         See :class:`flexmech.solvers.MovingModes`.
     conservative, dissipative : FourierSeries
-        Of the system's matrix (2 m, 2 m), and of what damping of links adds to it.
+        Matrix (2 m, 2 m) of the system without damping, and what damping of links adds to it.
     attached : FourierSeries
         What dampers of springs and joints and follower forces add to it.
     weighted : ndarray, shape (SHAPE_ANGLES, N, m)
@@ -63,7 +63,7 @@ class VibratingLinkage:
     is_definite : bool
         Whether the Hamilton function is positive definite at all crank angles.
     orbit_distance, orbit_residual : float or None
-        Of the periodic motion, if it is about one.
+        Distance and residual of the periodic motion, if the modes belong to one.
     """
 
     crank_speed: float
@@ -298,7 +298,8 @@ class SelectedModes(FloquetExponents):
     crank_speed : float
         rad/s.
     exponent : ndarray of complex, shape (k,)
-        1/s. Of the family ``lambda + i n omega`` the member whose harmonic is largest.
+        Exponents in 1/s: from the family ``lambda + i n omega`` the member whose harmonic is
+        largest.
     shape : ndarray of complex, shape (SHAPE_ANGLES, N, k)
         At evenly spaced times of a turn, weighted by the links' mass: ``y^H y`` is that of the
         displacement. Its largest harmonic is the mean.
@@ -477,7 +478,7 @@ def _within(natural: FloatArray, shapes: NDArray[np.complex128]) -> IntArray:
     """The 2 m modes whose displacement (angles, n, k) lies most in m natural modes."""
     inside = (np.abs(natural @ shapes) ** 2).sum(axis=(0, 1))
     of_all = (np.abs(shapes) ** 2).sum(axis=(0, 1))
-    # Of two conjugate modes round-off must not part one from the other.
+    # Round-off must not part two conjugate modes.
     order = np.argsort(-np.round(inside / of_all, 9), kind="stable")
     return np.sort(order[: 2 * natural.shape[1]])
 

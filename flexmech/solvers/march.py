@@ -38,8 +38,8 @@ from flexmech.mechanics.running.driven_linkage import DrivenLinkage, StaticExpan
 from flexmech.mechanics.running.linkage_stretch import LinkageStretch, StretchForces
 
 # Greatest angle in rad by which a link turns, or turns from another, between two positions.
-# Of the k-th harmonic of its angle the interpolation misses 0.00024 times the tenth power of k
-# times this; that leaves 1e-7 of what the steps of the aluminium linkage are made of.
+# The interpolation misses of the k-th harmonic of an angle 0.00024 times the tenth power of k times
+# this; that leaves 1e-7 of what the steps of the aluminium linkage are made of.
 SPACING = 0.08
 # A spring or load turns faster than the links where it is short: half of that, which is a thousand
 # times less for the same harmonic.

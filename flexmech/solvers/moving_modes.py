@@ -57,8 +57,8 @@ class MovingModes:
         ``w`` in rad/s: natural frequencies of the stiffness averaged over the turn. The scaled
         states are canonical too.
     conservative, dissipative : FourierSeries
-        Of the system's matrix (2 m, 2 m): without damping, and the part by the links' damping,
-        to which it is proportional.
+        Matrix (2 m, 2 m) of the system without damping, and the part by the links' damping, to
+        which it is proportional.
     attached : FourierSeries
         Part of the system's matrix by dampers of springs and joints and by follower forces.
     stiffness : ndarray, shape (N, m, m)
@@ -296,7 +296,8 @@ def _inertia(
 ) -> tuple[FloatArray, FloatArray]:
     """Contributions of a link's ``M``, ``S`` and ``M_t`` to B and Q.
 
-    Of ``|P y. + P. y|_M^2 / 2 + omega (P y. + P. y)' S P y + omega^2 y' P' M_t P y / 2``.
+    They belong to ``|P y. + P. y|_M^2 / 2 + omega (P y. + P. y)' S P y + omega^2 y' P' M_t P y /
+    2``.
     """
     mass, gyroscopic, centrifugal = matrices
     turning = speed * (gyroscopic @ shapes)

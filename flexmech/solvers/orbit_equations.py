@@ -310,7 +310,7 @@ class OrbitState:
     z : ndarray, shape (N, n)
         Independent coordinates of the unreduced links at the samples, and of a frame on springs.
     displacement, rate : list of ndarray, shape (N, n_link)
-        Of each link in its frame, and its time derivative.
+        Displacement of each link in its frame, in m and rad, and its time derivative.
     beyond_linear : list of ndarray, shape (N, n_link)
         Part of the displacement that is not linear in z, by finite poses of rigid links.
     frames : LinkFrames

@@ -86,8 +86,8 @@ class NewtonRun:
     passes : int
     detuning : float
         How far the linear periodic problem is from being singular: the least force that keeps a
-        motion up, over the elastic forces of that motion. Of the last state if it has
-        converged, else of the first; 1 where it is not small.
+        motion up, over the elastic forces of that motion. It belongs to the last state if that has
+        converged, else to the first; 1 where it is not small.
     """
 
     state: OrbitState
@@ -436,8 +436,8 @@ def nonlinear_orbit(
 ) -> NonlinearOrbit:
     """Find the periodic motion of an engine's links with their nonlinear internal forces.
 
-    Of several periodic motions it finds that which is next to the one it starts from, or which
-    damping leads to.
+    Where several periodic motions exist, this is the one next to the start, or the one that damping
+    leads to.
 
     Parameters
     ----------

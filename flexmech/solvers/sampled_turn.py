@@ -53,7 +53,7 @@ class SampledTurn:
         From each reduced link's coordinates to the engine's.
     unreduced : tuple of LinkModel
     tangent, damping : list of ndarray, shape (n_link, n_link) or (N, n_link, n_link)
-        Of each reduced link.
+        Tangent stiffness and damping matrix of each reduced link.
     damping_stiffness : list of ndarray, shape (N, n_link, n_link)
         Derivative of the damping forces of each by its displacement; empty about a state at rest.
     frames : LinkFrames

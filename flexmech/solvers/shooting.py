@@ -1,9 +1,9 @@
 """Periodic steady state at constant crank speed by shooting, without a transient.
 
-A turn of the crank maps the state at its start to that at its end. Of linear equations the map is
+A turn of the crank maps the state at its start to that at its end. For linear equations the map is
 affine, ``x -> monodromy @ x + forced``: it is computed by the trapezoidal rule for all coordinates
-at once, and its fixed point is the periodic motion. The eigenvalues of the
-monodromy matrix are the Floquet multipliers.
+at once, and its fixed point is the periodic motion. The eigenvalues of the monodromy matrix are the
+Floquet multipliers.
 """
 
 from __future__ import annotations

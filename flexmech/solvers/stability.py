@@ -42,11 +42,11 @@ from flexmech.solvers.moving_modes import MovingModes, counts_of_modes, moving_m
 from flexmech.solvers.periodic_motion import NonlinearOrbit, nonlinear_orbit
 from flexmech.solvers.sampled_turn import SampledTurn
 
-# What the likeness of a mode that turns the other way round counts for: less than that of any mode
+# Weight of the likeness of a mode that turns the other way round: less than that of any mode
 # of the same frequency, and more than that of a stranger.
 OTHER_SENSE = 0.3
 # From one speed to the next a frequency changes by a small part of this part of itself: modes that
-# are mixtures alike are told by it, and those farther off by their shapes alone.
+# are mixtures alike are identified by it, and those farther off by their shapes alone.
 FREQUENCY_CHANGE = 0.05
 # A mode at least so much like the shape of its branch takes its place; an even mixture of two has
 # 0.7, and one that is less alike belongs elsewhere.
@@ -385,7 +385,7 @@ class SolvedSpeed:
     buckled_angle : float or None
         A crank angle in rad at which the linkage is statically unstable.
     orbit_distance, orbit_residual : float or None
-        Of the periodic motion, with prestress ``trajectory``; see
+        Distance and residual of the periodic motion, with prestress ``trajectory``; see
         :class:`flexmech.solvers.NonlinearOrbit`.
     """
 

@@ -81,7 +81,8 @@ class DesignStore:
         folder.parent.mkdir(parents=True, exist_ok=True)
         earlier = _locked(folder) if folder.exists() else None
         _remove_left(folder)
-        # Of a name of its own: another run may begin in the same folder at the same moment.
+        # The new folder has its own name: another run may begin in the same folder at the same
+        # moment.
         new = folder.with_name(f".{folder.name}.{secrets.token_hex(4)}")
         new.mkdir()
         lock = _locked(new)
@@ -357,7 +358,7 @@ def evaluate_all(
 
 
 def study_content(study: Study, count: int) -> dict[str, Any]:
-    """What a study is, in a form that a store keeps and compares.
+    """Content of a study, in a form that a store keeps and compares.
 
     Parameters
     ----------
@@ -375,7 +376,7 @@ def study_content(study: Study, count: int) -> dict[str, Any]:
         + [variable.steps] * (variable.distribution == "range")
         for variable in study.variables
     }
-    # Of the engine's library too, which alone computes the numbers of that engine.
+    # The version of the engine's library too, which alone computes the numbers of that engine.
     packages = ("exudyn",) if study.engine == "exudyn" else ()
     return {
         "model": digest(study.mechanism.to_toml()),

@@ -29,7 +29,7 @@ from flexmech.studies.campaign import KeptDesigns
 from flexmech.studies.evaluation import MOST_LETTERS, Evaluated, evaluate
 from flexmech.studies.outputs import COSTLY
 from flexmech.studies.result import (
-    TOLD,
+    LEAST_ERROR,
     designs_dataset,
     designs_table,
     reason_lines,
@@ -49,7 +49,14 @@ from flexmech.studies.search import (
     several_goals,
 )
 from flexmech.studies.study import Study
-from flexmech.studies.sweep import ROWS, designs_in_words, output_quantities, ranked
+from flexmech.studies.sweep import (
+    ROWS,
+    designs_in_words,
+    output_quantities,
+    outputs_text,
+    ranked,
+    with_governing,
+)
 from flexmech.studies.tasks import computed_tasks, gathered
 from flexmech.studies.variables import CRANK_SPEED, as_values
 
@@ -102,7 +109,7 @@ def confirmed(
         if reason := _does_not_hold(study, found):
             raise ComputationError(
                 f"the best design does not hold: {_FINER} {engine} finds {reason}; "
-                f"{_told(study, design)}{_remedy(study, found)}"
+                f"{_design_text(study, design)}{_remedy(study, found)}"
                 + candidate_kept(study, design, found, f"{_FINER} {engine} finds {reason}", folder)
             )
         again.append(found.values[0])
@@ -185,11 +192,11 @@ def beyond(study: Study, values: FloatArray, slack: float = 0.0) -> str:
     names = list(study.outputs)
     margins = margins_of(study, values)
     missed: IntArray = np.flatnonzero(margins < -slack)
-    told = []
+    texts = []
     for number in missed[np.argsort(margins[missed])].tolist():
         name = study.limits[number].output
-        told.append(f"{name} {study.outputs[name].told(values[names.index(name)])}")
-    return ", ".join(told)
+        texts.append(f"{name} {study.outputs[name].text(values[names.index(name)])}")
+    return ", ".join(texts)
 
 
 def candidate_kept(
@@ -225,10 +232,10 @@ def candidate_kept(
     return f"; its row is in {file}{stale}"
 
 
-def _told(study: Study, design: FloatArray) -> str:
+def _design_text(study: Study, design: FloatArray) -> str:
     """A design in words."""
     return ", ".join(
-        f"{variable.name} {variable.told(number)}"
+        f"{variable.name} {variable.text(number)}"
         for variable, number in zip(study.variables, design.tolist(), strict=True)
     )
 
@@ -305,18 +312,18 @@ class Optimum(Result):
         first = best.isel(design=0)
         outputs = data.attrs["outputs"].split()
         numbers = output_quantities(first, outputs)
-        told = ", ".join(f"{one.name} {one}" for one in numbers)
-        lines = [f"The best design has {told}; {_runs(data)}."]
+        listed = outputs_text(numbers)
+        lines = [f"The best design has {listed}; {_runs(data)}."]
         if data.sizes["goal"] > 1:
             lines = [
                 f"{best.sizes['design']} designs are such that none is better in every goal.",
-                f"With the best {data['goal'].values[0]}: {told}; {_runs(data)}.",
+                f"With the best {data['goal'].values[0]}: {listed}; {_runs(data)}.",
             ]
         lines += _statistics_lines(data)
         values = data["checked"].values
         apart = float(np.nanmax(np.abs(values[0] - values[1]) / np.abs(values).max(axis=0)))
         error = float(data["relative_error"].max(skipna=False))
-        known = f"numbers are known to {percent(max(error, apart, TOLD))}"
+        known = f"numbers are known to {percent(max(error, apart, LEAST_ERROR))}"
         if not np.isfinite(error):
             known = "errors of the numbers are not estimated"
         engines = " and ".join(data["checking_engine"].values.tolist())
@@ -348,8 +355,8 @@ def _statistics_lines(data: xr.Dataset) -> list[str]:
     if "uncertain" not in data.attrs:
         return []
     outputs = data.attrs["outputs"].split()
-    told = ", ".join(f"{name} by its {data[name].attrs['statistic']}" for name in outputs)
-    return [f"Over the samples: {told}."]
+    chosen = ", ".join(f"{name} by its {data[name].attrs['statistic']}" for name in outputs)
+    return [f"Over the samples: {chosen}."]
 
 
 def optimum_study(
@@ -433,7 +440,7 @@ def optimum_study(
     steps, history = zip(*search.steps, strict=True)
     signs = np.array([goal.sign for goal in study.goals])
     return Optimum(
-        _with_statistics(study, dataset)
+        _with_statistics(study, with_governing(study, designs, dataset))
         .assign(checked)
         .merge(_drawn(study, designs), combine_attrs="no_conflicts")
         .assign_coords(evaluations=("step", np.array(steps)))

@@ -18,7 +18,7 @@ from flexmech.studies.study import Study
 from flexmech.studies.tasks import computed_tasks, gathered
 
 DESIGN = "design"
-TOLD = 1e-6
+LEAST_ERROR = 1e-6
 """Relative error of a peak that is sought between crank angles, as of ``kinematics``: less is below
 the digits of all that is printed."""
 
@@ -179,8 +179,8 @@ def column_name(dataset: xr.Dataset, name: str) -> str:
 def status_line(dataset: xr.Dataset) -> str:
     """How many designs ended how."""
     counts = Counter(dataset["status"].values.tolist())
-    told = ", ".join(f"{counts[status]} {status}" for status in STATUSES if counts[status])
-    return f"designs: {told}"
+    counted = ", ".join(f"{counts[status]} {status}" for status in STATUSES if counts[status])
+    return f"designs: {counted}"
 
 
 def reason_lines(dataset: xr.Dataset) -> list[str]:

@@ -107,8 +107,8 @@ class Scatter:
         for number in np.flatnonzero(np.isnan(values).any(axis=(1, 2))):
             sample = int(np.flatnonzero(status[number])[0])
             first[number] = status[number, sample]
-            told = found.reasons[number * self.samples + sample]
-            failed = f"{np.count_nonzero(status[number])} of {self.samples} samples: {told}"
+            reason = found.reasons[number * self.samples + sample]
+            failed = f"{np.count_nonzero(status[number])} of {self.samples} samples: {reason}"
             reasons[number] = one_line(failed, MOST_LETTERS)
         return Evaluated(self._statistics(values), first, reasons)
 
@@ -117,8 +117,8 @@ class Scatter:
     ) -> FloatArray:
         """Relative errors of the percentiles and means of one design by the number of samples.
 
-        Of percentiles half of what lies between the ordered values one standard deviation of their
-        binomial count away on either side; points that are spread evenly are off by less.
+        For percentiles it is half of the distance between the ordered values one standard deviation
+        of their binomial count away on either side; points that are spread evenly are off by less.
 
         Parameters
         ----------

@@ -39,7 +39,7 @@ _UNCERTAIN_STARTS, _UNCERTAIN_STEP, _STEP = 2, 1e-4, 1e-7
 _POPULATION, _GENERATIONS = 64, 40
 # Most steps of a local search, for each variable: what SciPy takes where nothing is said.
 _MOST_STEPS = 500
-# What a violated limit and a design that fails cost, in ranges of the goal.
+# Cost of a violated limit and of a design that fails, in ranges of the goal.
 _PENALTY = 10.0
 
 
@@ -322,7 +322,7 @@ def several_goals(search: Search) -> FloatArray:
         def _evaluate(self, x: FloatArray, out: dict[str, Any], *args: Any, **more: Any) -> None:
             del args, more
             goals, violation = search(designs(x))
-            # Of a design that fails no goal is known: it is farther off than any that does not.
+            # A design that fails has no known goal: it is farther off than any that does not fail.
             out["F"] = np.where(np.isfinite(goals), goals, np.finfo(np.float32).max)
             out["G"] = np.where(np.isfinite(violation), violation, np.finfo(np.float32).max)[
                 :, None
@@ -628,10 +628,10 @@ def _gaps(
         return asked[short.argsort()[:1]]
     asked, expected = asked[keeps], expected[keeps]
     # Beside what is known already, which no design by the model is to be worse than.
-    told = np.concatenate([expected, goals[front]])
-    better = _not_dominated(told)
+    compared = np.concatenate([expected, goals[front]])
+    better = _not_dominated(compared)
     better = better[better < len(asked)]
-    size = np.ptp(told[np.isfinite(told).all(axis=1)], axis=0)
+    size = np.ptp(compared[np.isfinite(compared).all(axis=1)], axis=0)
     scale = np.where(size > 0, size, 1.0)
     places, taken = expected[better] / scale, goals[front] / scale
     chosen: list[int] = []

@@ -120,7 +120,7 @@ class Study:
     correlations : tuple of Correlation
     engine : {"reference", "exudyn"}
     failure_values : mapping of str to float
-        What an output of a design that cannot be computed counts as, in SI units.
+        Value in SI units that an output counts as where a design cannot be computed.
     percentile_samples : int
         A power of two: runs of every design in the search for the best where variables have
         distributions.
@@ -235,7 +235,8 @@ class Study:
         Returns
         -------
         ndarray, shape (n, k)
-            Of texts their places in the list; the last variable changes fastest.
+            Values in SI units; texts by their places in the list. The last variable changes
+            fastest.
 
         Raises
         ------

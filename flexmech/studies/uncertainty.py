@@ -37,7 +37,7 @@ from flexmech.studies.design import turn
 from flexmech.studies.evaluation import Evaluated, design_of, guarded
 from flexmech.studies.outputs import OF_FREQUENCIES, Output
 from flexmech.studies.result import (
-    TOLD,
+    LEAST_ERROR,
     designs_dataset,
     designs_table,
     finer_errors,
@@ -191,7 +191,7 @@ def sobol_shares(
             return _estimates(first[..., sample], second[..., sample], mixed[..., sample])
 
         with np.errstate(invalid="ignore", divide="ignore"), warnings.catch_warnings():
-            # Of an input that changes nothing there is no interval: its share is zero.
+            # An input that changes nothing has no interval: its share is zero.
             warnings.simplefilter("ignore", scipy.stats.DegenerateDataWarning)
             interval = scipy.stats.bootstrap(
                 [np.arange(first.shape[1])],
@@ -276,7 +276,7 @@ def poor_shares(data: xr.Dataset, samples: int) -> tuple[str, ...]:
     enough = 1 << math.ceil(math.log2(samples * (apart / _POOR) ** 2))
     return (
         f"{samples} samples are few: shares of the variance are known to {100 * apart:.0f} % of it "
-        f"alone, and their estimates may add up to more than all; take --samples {enough}",
+        f"only, and may add up to more than 100 %; take --samples {enough}",
     )
 
 
@@ -357,16 +357,18 @@ class Uncertainty(Result):
         for output in data["output"].values.tolist():
             own = data.sel(output=output)
             unit = data[output].attrs["shown_unit"]
-            told = {name: from_si(float(own[name]), unit) for name in ("mean", "std", *PERCENTILES)}
+            stats = {
+                name: from_si(float(own[name]), unit) for name in ("mean", "std", *PERCENTILES)
+            }
             error = from_si(float(own["median_error"]), unit)
-            median = Quantity("median", told["p50"], unit, error, output)
+            median = Quantity("median", stats["p50"], unit, error, output)
             numbers.append(median)
             failing = float(own["failure_probability"])
             rows.append(
-                (output, unit, *(f"{value:.4g}" for value in told.values()), f"{failing:.3g}")
+                (output, unit, *(f"{value:.4g}" for value in stats.values()), f"{failing:.3g}")
             )
             lines.append(
-                f"{output} is {told['p2_5']:.4g} to {told['p97_5']:.4g} {unit} in 95 % of the "
+                f"{output} is {stats['p2_5']:.4g} to {stats['p97_5']:.4g} {unit} in 95 % of the "
                 f"designs, its median {median}{_cause(own)}"
             )
         share = float(1 - data["within"].mean())
@@ -396,7 +398,7 @@ class Uncertainty(Result):
 def _trust(data: xr.Dataset, spread: float) -> str:
     """How far medians are known by the number of designs, and the outputs of one of them."""
     error = float(data["relative_error"].max(skipna=False))
-    model = f"each design to {percent(max(error, TOLD))}"
+    model = f"each design to {percent(max(error, LEAST_ERROR))}"
     if not np.isfinite(error):
         model = "errors of the designs themselves are not estimated"
     return (
@@ -429,13 +431,13 @@ def _share_lines(data: xr.Dataset) -> list[str]:
     lines = []
     for output in data["output"].values.tolist():
         own = data.sel(output=output)
-        told = ", ".join(
+        shares = ", ".join(
             f"{name} {float(own['total'].sel(input=name)):.2f} "
             f"({float(own['total_low'].sel(input=name)):.2f} to "
             f"{float(own['total_high'].sel(input=name)):.2f})"
             for name in data["input"].values.tolist()
         )
-        lines.append(f"total share in the variance of {output}: {told}")
+        lines.append(f"total share in the variance of {output}: {shares}")
     return lines
 
 
@@ -460,9 +462,9 @@ def runs_line(study: Study, samples: int | None = None) -> str:
     count, inputs = _SAMPLES if samples is None else samples, len(_inputs(study))
     check_power_of_two(count, "samples", least=8)
     if study.correlations:
-        return f"{count} designs are computed, of inputs that are correlated"
+        return f"{count} designs are computed for correlated inputs"
     return (
-        f"{count * (inputs + 2)} designs are computed: N (D + 2) of N = {count} samples and "
+        f"{count * (inputs + 2)} designs are computed: N (D + 2) for N = {count} samples and "
         f"D = {inputs} inputs"
     )
 
@@ -520,7 +522,7 @@ def uncertainty_study(
         content={"samples": samples},
     )
     values = _complete(study, found)
-    # Of A and B: the designs of A_B repeat their numbers.
+    # Only A and B count: the designs of A_B repeat their numbers.
     independent = slice(0, samples if study.correlations else 2 * samples)
     own = Evaluated(
         found.values[independent], found.status[independent], found.reasons[independent]
@@ -528,7 +530,7 @@ def uncertainty_study(
     dataset = designs_dataset(study, designs[independent], own)
     dataset = dataset.merge(_statistics(study, values[independent], dataset))
     dataset = dataset.assign(relative_error=_error_of_a_design(study, dataset, designs, executor))
-    worth = [f"{name} {study.outputs[name].told(v)}" for name, v in study.failure_values.items()]
+    worth = [f"{name} {study.outputs[name].text(v)}" for name, v in study.failure_values.items()]
     dataset = dataset.assign_attrs(failures_count_as=", ".join(worth))
     dataset = dataset.merge(frequency_bands(study, designs[independent]))
     if study.correlations:
@@ -563,7 +565,7 @@ def _designs(study: Study, inputs: list[str], samples: int) -> FloatArray:
             own[:, number] = second[:, number]
             mixed.append(own)
         points = np.concatenate([first, second, *mixed])
-    # Of what has one value any probability gives it.
+    # A variable of one value takes it at any probability.
     whole = np.full((len(points), len(study.variables)), 0.5)
     whole[:, [study.names.index(name) for name in inputs]] = points
     return study.at(whole)

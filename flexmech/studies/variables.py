@@ -110,7 +110,7 @@ class Variable:
         dimension = self.dimension
         return [quantity(float(each), dimension) for each in self.numbers]
 
-    def told(self, number: float) -> str:
+    def text(self, number: float) -> str:
         """A value in words: with its unit, or the text at a place in the list."""
         value = self.value(number)
         if isinstance(value, str):
@@ -151,7 +151,7 @@ class Variable:
         Returns
         -------
         ndarray
-            Of texts their places in the list.
+            Values in SI units; texts by their places in the list.
         """
         if self.distribution == "values":
             place = np.minimum(probability * len(self.numbers), len(self.numbers) - 1).astype(int)

@@ -116,7 +116,8 @@ class VerificationCase:
         Returns
         -------
         Outcome
-            Of a computation that fails, with the reason and no number.
+            Numbers with their errors; without a number, and with the reason, where the computation
+            fails.
         """
         nothing = np.full(1, np.nan)
         if self.lacking:
@@ -174,7 +175,7 @@ class Outcome:
         return "passed" if bool(self.within.all()) else "failed"
 
 
-# In the order in which they are told.
+# In the order in which they are printed.
 _FILES = (
     "four_bars",
     "rotating_arm",

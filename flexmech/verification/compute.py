@@ -281,9 +281,9 @@ def _table(subject: str, source: str, cases: list[xr.Dataset]) -> Table:
     kinds = " or ".join(dict.fromkeys(str(case["deviation_kind"].item()) for case in cases))
     units = {str(case["unit"].item()) for case in cases} - {""}
     quantities = ", ".join(dict.fromkeys(str(case["quantity"].item()) for case in cases))
-    told = f"{quantities} in {' or '.join(sorted(units))}" if units else quantities
+    measured = f"{quantities} in {' or '.join(sorted(units))}" if units else quantities
     return Table(
-        f"{subject}: {told}",
+        f"{subject}: {measured}",
         headings,
         (tuple(_row(subject, case) for case in cases),),
         caption=f"source: {source} (deviation: {kinds})",

@@ -57,10 +57,10 @@ def test_its_double_point_is_where_two_passages_meet(journey: Journey) -> None:
     assert both[0] == pytest.approx([topology["x_m"][0], topology["y_m"][0]], abs=1e-8)
     said = journey.said["answer"]
     assert "with 1 crunode and no cusps" in said[0]
-    assert said[1].startswith("At +80 K, 7 % moisture it runs through ")
+    assert said[1].startswith("At +80 K, 7 % moisture it covers ")
     position = journey.result().dataset["position"].values
     moved = np.linalg.norm(position[1] - position[0], axis=-1).max()
-    assert said[2].startswith("It is moved by at most ")
+    assert said[2].startswith("Its greatest shift is ")
     assert not tells(said[2], 0.9 * 1e3 * moved)
     # One loop, whose close-up is dry and around the double point.
     close = journey.result().dataset["close_up"]

@@ -165,7 +165,7 @@ def test_a_wet_linkage_stands_beside_the_dry_one(tmp_path):
     np.testing.assert_array_equal(effect["frequency_Hz"], wet.table("frequencies")["frequency_Hz"])
     assert change.max() < -0.1
     first = 100 * change[effect["mode"] == 1]
-    (line,) = (one for one in wet.said["details"]["lines"] if one.startswith("against dry"))
+    (line,) = (one for one in wet.said["details"]["lines"] if one.startswith("change from dry"))
     assert any(tells(line, value) for value in first)
     whole = MovingFrequencies.load(wet.ended.folder / "hygrothermal_effect.nc")
     assert whole.states == ("dry", "+40 K, 5 % moisture")

@@ -346,4 +346,4 @@ def test_an_error_tells_its_speed_in_any_unit_also_from_another_process():
     for again in (error, pickle.loads(pickle.dumps(error))):
         assert isinstance(again, ComputationError)
         assert str(again) == "model.toml: {0} fails at 20 rad/s"
-        assert again.told("rpm") == "model.toml: {0} fails at 190.986 rpm"
+        assert again.in_unit("rpm") == "model.toml: {0} fails at 190.986 rpm"

@@ -18,7 +18,7 @@ from flexmech.linkages.motors.motor_run import speed_range
 from flexmech.mechanism import Mechanism
 
 # Relative error of the rigid linkage's motion under a motor: below all digits that are printed.
-_TOLD = 1e-6
+_LEAST_ERROR = 1e-6
 # Part of a peak over a settled turn that lies between samples: those half a degree apart miss as
 # much of its tenth harmonic.
 _BETWEEN = 1e-3
@@ -37,22 +37,24 @@ def motor_attributes(run: MotorRun) -> dict[str, str | float]:
     -------
     dict
     """
-    told: dict[str, str | float] = {"gear_ratio": run.drive.motor.gear_ratio}
-    told["run_duration"] = run.duration
+    values: dict[str, str | float] = {"gear_ratio": run.drive.motor.gear_ratio}
+    values["run_duration"] = run.duration
     motor = run.drive.motor
     if motor.has_current and not isinstance(run, SettledRun):
         needed = float(run.equation.load.needed(run.start_angle, 0.0, 0.0))
-        told["first_current"] = float(run.motor_output(0.0).current)
-        told["holding_current"] = motor.holding_current(run.equation.train.held_by_current(needed))
+        values["first_current"] = float(run.motor_output(0.0).current)
+        values["holding_current"] = motor.holding_current(
+            run.equation.train.held_by_current(needed)
+        )
     if (stall := run.stall) is not None:
-        return told | {
+        return values | {
             "stall_time": stall.time,
             "stall_angle": stall.crank_angle,
             "stall_torque": stall.torque,
             "stall_needed": stall.needed,
         }
     if (settled := run.settled) is not None:
-        told |= {
+        values |= {
             "settled_in_run": int(run.has_settled),
             "crank_speed_of_run_end": float(run.crank_speed(run.duration)),
             "settled_speed": settled.mean_speed,
@@ -60,12 +62,12 @@ def motor_attributes(run: MotorRun) -> dict[str, str | float]:
             "settled_power": settled.mean_power,
         }
     if isinstance(run, SettledRun):
-        told |= {
+        values |= {
             "elastic_settled_speed": run.turn.mean_speed,
             "elastic_settled_fluctuation": run.turn.fluctuation,
             "elastic_settled_power": run.turn.mean_power,
         }
-    return told
+    return values
 
 
 def settled_values(run: MotorRun, mechanism: Mechanism) -> dict[str, FloatArray]:
@@ -169,29 +171,29 @@ def motor_aspect(data: xr.Dataset) -> Aspect:
 
 def _answer(data: xr.Dataset) -> tuple[str, ...]:
     """Where the motor stalls, or how fast it turns the crank and how evenly."""
-    told = data.attrs
-    if "stall_angle" in told:
-        angle = f"{DEGREES * told['stall_angle'] % 360:.4g} deg"
-        needed = f"it gives the crank {told['stall_torque']:.4g} N m at rest, and "
-        needed += f"{told['stall_needed']:.4g} N m would hold the linkage there"
-        if not told["stall_time"]:
+    known = data.attrs
+    if "stall_angle" in known:
+        angle = f"{DEGREES * known['stall_angle'] % 360:.4g} deg"
+        needed = f"it gives the crank {known['stall_torque']:.4g} N m at rest, and "
+        needed += f"{known['stall_needed']:.4g} N m would hold the linkage there"
+        if not known["stall_time"]:
             return (f"The motor does not start: it stalls at {angle}, where {needed}.",)
-        return (f"The motor stalls at {angle}, after {told['stall_time']:.4g} s: {needed}.",)
-    if "elastic_settled_speed" in told:
+        return (f"The motor stalls at {angle}, after {known['stall_time']:.4g} s: {needed}.",)
+    if "elastic_settled_speed" in known:
         part, rigid = (
-            rounded(100 * told[name], 0.0, 3)
+            rounded(100 * known[name], 0.0, 3)
             for name in ("elastic_settled_fluctuation", "settled_fluctuation")
         )
-        speed = speed_with_unit(data, told["elastic_settled_speed"])
+        speed = speed_with_unit(data, known["elastic_settled_speed"])
         return (
             f"Settled, the motor turns the linkage at {speed}, which fluctuates by {part} % of it "
             f"over the turn; with rigid links by {rigid} %.",
         )
-    if "settled_speed" in told:
-        part = rounded(100 * told["settled_fluctuation"], 0.0, 3)
-        speed = speed_with_unit(data, told["settled_speed"])
-        if not told["settled_in_run"]:
-            end = speed_with_unit(data, told["crank_speed_of_run_end"])
+    if "settled_speed" in known:
+        part = rounded(100 * known["settled_fluctuation"], 0.0, 3)
+        speed = speed_with_unit(data, known["settled_speed"])
+        if not known["settled_in_run"]:
+            end = speed_with_unit(data, known["crank_speed_of_run_end"])
             force, joint = _settled_force(data)
             return (
                 f"The run ends at {end}, before the motor has settled: settled, it turns the rigid "
@@ -202,16 +204,16 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
             f"Settled, the motor turns the rigid linkage at {speed}, which fluctuates by {part} % "
             "of it over the turn.",
         )
-    end = abs(float(data["motor_speed"].isel(time=-1).max())) / told["gear_ratio"]
+    end = abs(float(data["motor_speed"].isel(time=-1).max())) / known["gear_ratio"]
     return (
         f"The motor has brought the crank to {speed_with_unit(data, end)} after "
-        f"{told['run_duration']:.4g} s; no speed at which it settles was found.",
+        f"{known['run_duration']:.4g} s; no speed at which it settles was found.",
     )
 
 
 def _lines(data: xr.Dataset) -> tuple[str, ...]:
     """Peaks of what the motor gives, and the settled motion."""
-    told = data.attrs
+    known = data.attrs
     peaks = ", ".join(
         f"{what} up to {_peaks(data, name)} {unit}"
         for name, what, unit in (
@@ -223,19 +225,19 @@ def _lines(data: xr.Dataset) -> tuple[str, ...]:
         if name in data
     )
     lines = [f"motor on its own shaft: {peaks}"]
-    if "first_current" in told:
-        lines.append(_current_text(told))
-    if "settled_speed" in told:
+    if "first_current" in known:
+        lines.append(_current_text(known))
+    if "settled_speed" in known:
         for name, what in (("settled", "the rigid linkage"), ("elastic_settled", "elastic links")):
-            if f"{name}_speed" not in told:
+            if f"{name}_speed" not in known:
                 continue
             lines.append(
                 f"settled motion of {what}, found directly: mean speed "
-                f"{speed_with_unit(data, told[f'{name}_speed'])}, coefficient of fluctuation "
-                f"(greatest less least over mean) {rounded(told[f'{name}_fluctuation'], 0.0, 5)}, "
-                f"mean power of the motor {_power(told[f'{name}_power'])} W"
+                f"{speed_with_unit(data, known[f'{name}_speed'])}, coefficient of fluctuation "
+                f"(greatest less least over mean) {rounded(known[f'{name}_fluctuation'], 0.0, 5)}, "
+                f"mean power of the motor {_power(known[f'{name}_power'])} W"
             )
-    elif "stall_angle" not in told:
+    elif "stall_angle" not in known:
         lines.append(
             "settled motion: none was found; no turn ends as it begins near the end of the run"
         )
@@ -264,22 +266,22 @@ def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
         if name in data:
             sizes = abs(data[name]).max("time")
             value, apart = float(sizes.max()), float(sizes.max() - sizes.min())
-            error = apart if "engine" in sizes.dims else _TOLD * value
+            error = apart if "engine" in sizes.dims else _LEAST_ERROR * value
             found.append(Quantity(f"peak_{name}", value, unit, error))
-    told = data.attrs
-    if "stall_angle" in told:
-        angle = DEGREES * float(told["stall_angle"])
-        found.append(Quantity("stall_angle", angle, "deg", abs(angle) * _TOLD))
-    if "elastic_settled_speed" in told:
+    known = data.attrs
+    if "stall_angle" in known:
+        angle = DEGREES * float(known["stall_angle"])
+        found.append(Quantity("stall_angle", angle, "deg", abs(angle) * _LEAST_ERROR))
+    if "elastic_settled_speed" in known:
         # Engines that run on the motion that was found tell how far it is off.
         for name, of in (("settled_crank_speed", "speed"), ("speed_fluctuation", "fluctuation")):
-            value = float(told[f"elastic_settled_{of}"])
+            value = float(known[f"elastic_settled_{of}"])
             error = float(abs(data[f"last_turn_{of}"] - value).max())
             found.append(Quantity(name, value, "rad/s" if of == "speed" else "", error))
-    elif "settled_speed" in told:
-        speed, part = float(told["settled_speed"]), float(told["settled_fluctuation"])
-        found.append(Quantity("settled_crank_speed", speed, "rad/s", abs(speed) * _TOLD))
-        found.append(Quantity("speed_fluctuation", part, "", part * _TOLD))
+    elif "settled_speed" in known:
+        speed, part = float(known["settled_speed"]), float(known["settled_fluctuation"])
+        found.append(Quantity("settled_crank_speed", speed, "rad/s", abs(speed) * _LEAST_ERROR))
+        found.append(Quantity("speed_fluctuation", part, "", part * _LEAST_ERROR))
         force = float(data["settled_joint_force"].max())
         found.append(Quantity("settled_joint_force", force, "N", force * _BETWEEN))
     return tuple(found)
@@ -292,10 +294,10 @@ def _settled_force(data: xr.Dataset) -> tuple[str, str]:
     return f"{rounded(float(greatest[place]), 0.0, 4)} N", str(data["joint"].values[place])
 
 
-def _current_text(told: Mapping[Hashable, Any]) -> str:
+def _current_text(known: Mapping[Hashable, Any]) -> str:
     """The current at time zero, and that which holds the crank then."""
     first, holding = (
-        rounded(float(told[name]), 0.0, 4) for name in ("first_current", "holding_current")
+        rounded(float(known[name]), 0.0, 4) for name in ("first_current", "holding_current")
     )
     if first == holding:
         held = f"holds the crank against its loads by its first current, {holding} A"
@@ -316,4 +318,4 @@ def _peaks(data: xr.Dataset, name: str) -> str:
 
 def _power(value: float) -> str:
     # A motor without losses takes none in the mean but for round-off.
-    return f"{value:.4g}" if abs(value) > _TOLD else "0"
+    return f"{value:.4g}" if abs(value) > _LEAST_ERROR else "0"

@@ -181,5 +181,5 @@ def harmonics_line(data: xr.Dataset, what: str = "shaking") -> str:
         for n, order in enumerate(data["order"].values)
         if force[n] > _SHOWN * force.max() or moment[n] > _SHOWN * moment.max()
     ]
-    told = "; ".join(shown) or "none"
-    return f"{what} force and moment by order of the crank angle, greatest sizes: {told}"
+    listed = "; ".join(shown) or "none"
+    return f"{what} force and moment by order of the crank angle, greatest magnitudes: {listed}"

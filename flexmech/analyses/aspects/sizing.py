@@ -94,12 +94,12 @@ def sizing_values(
     force : mapping of str to ndarray, shape (N, 2)
         Forces of joints in N.
     drive : Drive, optional
-        Of a motor, whose rotor is compared with what it drives.
+        Drive of a motor, whose rotor is compared with what it drives.
 
     Returns
     -------
     dict
-        Of variables over ``sizing``.
+        Variables over ``sizing``.
     """
     histories = [history for one in driven for history in one.histories]
     for joint, vectors in force.items():
@@ -135,7 +135,7 @@ def sizing_aspect(data: xr.Dataset, errors: xr.DataArray | None = None) -> Aspec
     Parameters
     ----------
     data : xarray.Dataset
-        Of one engine where engines have run.
+        Variables of a result, for one engine where engines have run.
     errors : xarray.DataArray, optional
         Over (sizing), besides those by the number of positions.
 

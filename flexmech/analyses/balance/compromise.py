@@ -308,7 +308,7 @@ def _features(
         return _of_masses(mechanism, motion, others, point)
 
     ahead, behind, across = (loads(moment).rows for moment in (1.0, -1.0, 1j))
-    # Of two opposite counterweights the first moments cancel, and the inertias add.
+    # With two opposite counterweights the first moments cancel, and the inertias add.
     inertia = [(one + other) / 2 for one, other in zip(ahead, behind, strict=True)]
     along = tuple(one - own for one, own in zip(ahead, inertia, strict=True))
     beside = tuple(one - own for one, own in zip(across, inertia, strict=True))

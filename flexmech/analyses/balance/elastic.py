@@ -153,8 +153,8 @@ def rigid_peaks(states: Sequence[Mechanism], request: BalanceRequest) -> xr.Data
     Returns
     -------
     xarray.Dataset
-        ``greatest``, ``greatest_angle`` and ``greatest_error`` over (state, quantity). Of a linkage
-        that cannot be moved through all angles between, errors are not numbers.
+        ``greatest``, ``greatest_angle`` and ``greatest_error`` over (state, quantity). Errors are
+        not numbers where the linkage cannot be moved through all angles between.
     """
     joints = [f"{JOINT_FORCE}{name}" for name in states[0].linkage.topology.joint_names]
     names = ["shaking_force", "shaking_moment", "driving_torque", *joints]

@@ -21,7 +21,7 @@ _MM, _GRAM = 1e3, 1e3
 # Quantities of a counterweight, their units, and the factors from the SI units.
 _OF_COUNTERWEIGHTS = (("mass", "g", _GRAM), ("radius", "mm", _MM), ("angle", "deg", DEGREES))
 # Relative error of extremes, as of ``kinematics``: less is below the digits of all that is printed.
-_TOLD = 1e-6
+_LEAST_ERROR = 1e-6
 # Part of the elastic linkage's shaking force that is left, from which the balance misses its aim.
 _MISSED = 0.5
 # Mass of counterweights over the mass that moves without them: that of real ones is below three.
@@ -31,20 +31,22 @@ _ALONG = 1e-6
 
 
 class _Change(NamedTuple):
-    """A number as given and balanced, in a unit."""
+    """A number as given and balanced, in a unit, and beside a compromise fully balanced."""
 
     name: str
     what: str
     unit: str
     before: float
     after: float
+    limit: float | None = None
 
     def row(self) -> Row:
         """For the table."""
         texts = tuple(self.text(value) for value in (self.before, self.after))
         change = 100 * (self.after / self.before - 1) if self.before else float("nan")
-        told = f"{change:+.1f}" if np.isfinite(change) else ""
-        return (self.what, self.unit, *texts, told)
+        percentage = f"{change:+.1f}" if np.isfinite(change) else ""
+        limit = () if self.limit is None else (self.text(self.limit),)
+        return (self.what, self.unit, *texts, percentage, *limit)
 
     def text(self, value: float) -> str:
         """A value, zero where it is round-off of the other."""
@@ -76,7 +78,7 @@ def summary_of(data: xr.Dataset) -> Summary:
     speed = crank_speed_text(data.attrs)
     table = Table(
         f"greatest values, {data.attrs['mechanism']} at {speed}",
-        ("what", "unit", "as given", "balanced", "change %"),
+        ("what", "unit", "as given", "balanced", "change %", *map(str, data["state"].values[2:])),
         (tuple(one.row() for one in changes.values()),),
         text_columns=2,
     )
@@ -103,8 +105,8 @@ def _answer(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[str, ...]:
         f"{_elastic_words(changes)}."
     )
     joints = _joint_changes(data)
-    greatest = (max(values) for values in zip(*(one[-2:] for one in joints), strict=True))
-    worst = _Change("joint_force", "", "N", *greatest)
+    before, after = (max(getattr(one, of) for one in joints) for of in ("before", "after"))
+    worst = _Change("joint_force", "", "N", before, after)
     costs = [
         f"the peak driving torque {changes['driving_torque'].words()}",
         f"the greatest joint force {worst.words()}",
@@ -113,6 +115,14 @@ def _answer(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[str, ...]:
         costs.append(f"the first natural frequency {first.words()}")
     added = plain(changes["moving_mass"].after - changes["moving_mass"].before)
     said.append(f"Cost: {added} g more moving mass; {', '.join(costs)}.")
+    mass, torque = changes["moving_mass"], changes["driving_torque"]
+    if force.limit is not None and moment.limit is not None and torque.limit is not None:
+        more = plain((mass.limit or 0.0) - mass.before)
+        said.append(
+            f"Limit, full balance of the force (--full): {force.text(force.limit)} N with rigid "
+            f"links for {more} g; shaking moment {moment.text(moment.limit)} N m, peak driving "
+            f"torque {torque.text(torque.limit)} N m."
+        )
     return tuple(said)
 
 
@@ -178,7 +188,7 @@ def _trust(data: xr.Dataset) -> str:
     names = data["quantity"].values.astype(str)
     elastic = np.char.startswith(names, "elastic")
     if not np.isfinite(data["greatest_error"].values).all():
-        rigid = "peaks of rigid links are those at the crank angles asked for"
+        rigid = "peaks of rigid links are those at the given crank angles"
     else:
         rigid = f"numbers of rigid links are known to {percent(_error(data, ~elastic))}"
     if not elastic.any():
@@ -195,7 +205,7 @@ def _error(data: xr.Dataset, some: NDArray[np.bool_]) -> float:
     """Greatest relative error of some quantities but of those that are round-off of the other."""
     value, error = (data[name].values[:, some] for name in ("greatest", "greatest_error"))
     there = value > ROUND_OFF * value.max(axis=0)
-    return max(float((error[there] / value[there]).max(initial=0.0)), _TOLD)
+    return max(float((error[there] / value[there]).max(initial=0.0)), _LEAST_ERROR)
 
 
 def _details(data: xr.Dataset) -> list[Table | str]:
@@ -212,9 +222,9 @@ def _details(data: xr.Dataset) -> list[Table | str]:
     if "order" in data:
         force = data["shaking_force_order"]
         # What round-off leaves of a balanced force has no harmonics.
-        told = data.assign(shaking_force_order=force.where(force > ROUND_OFF * force.max(), 0.0))
+        shaking = data.assign(shaking_force_order=force.where(force > ROUND_OFF * force.max(), 0.0))
         for state in data["state"].values.astype(str).tolist():
-            said.append(harmonics_line(told.sel(state=state), f"{state}: shaking"))
+            said.append(harmonics_line(shaking.sel(state=state), f"{state}: shaking"))
     return [*said, *notes_of(__package__).values()]
 
 
@@ -245,6 +255,7 @@ def _numbers(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[Quantity, .
     ]
     for one in changes.values():
         peak = "" if one.name in ("first_frequency", "moving_mass") else "peak_"
-        for state, value in zip(("as given", "balanced"), (one.before, one.after), strict=True):
+        states = zip(("as given", "balanced", "full balance"), one[3:], strict=True)
+        for state, value in ((state, value) for state, value in states if value is not None):
             numbers.append(Quantity(f"{peak}{one.name}", value, one.unit, of=state))
     return tuple(numbers)

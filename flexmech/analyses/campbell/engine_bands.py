@@ -590,7 +590,7 @@ def _gaps(
             float(speeds[run[0]]),
             float(speeds[run[-1]]),
             len(run),
-            solver.reason(float(speeds[run[0]])).told(speed_unit),
+            solver.reason(float(speeds[run[0]])).in_unit(speed_unit),
         )
         for run in unbroken_runs(~sampled.exists[places])
     ]

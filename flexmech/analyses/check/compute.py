@@ -106,7 +106,7 @@ class ModelCheck(Result):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What an engineer would remark on: numbers that can be, and hardly are."""
+        """Remarks of an engineer on numbers that are possible but unusual."""
         return tuple(str(self.dataset.attrs.get("remarks", "")).splitlines())
 
     def figures(self) -> dict[str, Figure]:
@@ -204,7 +204,8 @@ class ModelCheck(Result):
                 numbers.append(
                     Quantity(f"{name}_transmission_angle", value, "deg", ROUND_OFF * value)
                 )
-        return tuple(numbers)
+        grams = 1e3 * float(self.dataset["total_mass"])
+        return (*numbers, Quantity("total_mass", grams, "g", ROUND_OFF * grams))
 
     def _trust(self) -> str:
         """How far the frequencies are known; there is nothing to doubt in what was read."""
@@ -307,6 +308,7 @@ def check_mechanism(mechanism: Engine | Mechanism, asked: CheckOptions) -> Model
         linkage_in_short=linkage_in_short(mechanism.linkage),
         without_frequencies="",
     )
+    dataset["total_mass"] = mechanism.total_mass
     at = 0.0 if crank_angle is None else checked_number(crank_angle, "crank_angle", "rad")
     dataset["frequency_angle"] = at
     frequency = None
@@ -373,11 +375,11 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
         (joint, component), ``joint_mass`` (joint), ``point_mass`` and ``point_mass_position``
         (mass, component) where there are some, and ``path_position`` (path, component). Over the
         turn ``path`` (path, crank_angle, component) of the pins that move, an arm's tip and the
-        coupler point, and of a four-bar ``transmission_angle`` (crank_angle), not a number where
-        the linkage cannot stand, ``transmission_angle_limit`` and
-        ``usual_transmission_angle`` (limit). Of the sections
-        ``layer_low`` and ``layer_high`` in m, ``ply`` and ``ply_angle`` over (link, layer), and
-        ``stacking`` and ``direction_of_layers`` (link), along whose direction the faces count.
+        coupler point; for a four-bar ``transmission_angle`` (crank_angle), not a number where the
+        linkage cannot stand, ``transmission_angle_limit`` and ``usual_transmission_angle`` (limit).
+        For the sections ``layer_low`` and ``layer_high`` in m, ``ply`` and ``ply_angle`` over
+        (link, layer), and ``stacking`` and ``direction_of_layers`` (link), along whose direction
+        the faces count.
 
     Raises
     ------

@@ -65,7 +65,8 @@ def turns_fully(linkage: Linkage) -> bool:
     Returns
     -------
     bool
-        Of a drawn linkage: whether it has no change point and assembles at all whole degrees.
+        True if the crank turns fully; for a drawn linkage, if it has no change point and assembles
+        at all whole degrees.
     """
     if isinstance(linkage, FourBar):
         return linkage.crank_turns_fully
@@ -121,7 +122,7 @@ def on_transmission(linkage: PlanarLinkage, least: float) -> Iterator[str]:
             yield (
                 f"joint {joint}: transmission angle {found:.4g} deg (pressure angle "
                 f"{90 - found:.4g} deg) at crank angle {math.degrees(_TURN[place]):.4g} deg is "
-                f"below {least:g} deg: large forces in the pins and little motion for them"
+                f"below {least:g} deg: joint forces are large for little motion"
             )
 
 
@@ -163,7 +164,7 @@ def on_drive(mechanism: Mechanism, first: float | None) -> Iterator[str]:
 _LEAST_MODULUS, _MOST_MODULUS = 1e6, 1.1e12
 # Polymer foams, osmium.
 _LEAST_DENSITY, _MOST_DENSITY = 10.0, 2.3e4
-# Of longitudinal waves in a bar, m/s: rubber, diamond.
+# Speed of longitudinal waves in a bar, m/s: rubber, diamond.
 _LEAST_WAVE_SPEED, _MOST_WAVE_SPEED = 10.0, 1.9e4
 # Below it shear and the ends govern: a link is no beam. Above it its own weight bends it.
 _LEAST_SLENDERNESS, _MOST_SLENDERNESS = 5.0, 1000.0
@@ -172,7 +173,7 @@ _AS_DRAWN_AT = 0.1
 # In degrees; Alt's limits, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195.
 USUAL_TRANSMISSION_ANGLE = (40.0, 140.0)
 # Above that of machines, 10 or less, and below a slip of a unit: millimetres for centimetres are
-# told with links that differ by a factor of two.
+# decided with links that differ by a factor of two.
 _MOST_LENGTH_RATIO = 20.0
 # Part of the longest link: lengths are made as exactly as this.
 _NEARLY_IN_LINE = 1e-3
@@ -346,14 +347,14 @@ def _on_four_bar(linkage: FourBar, speeds: tuple[float, ...]) -> Iterator[str]:
         # It ends where coupler and rocker are in line: its transmission angle says no more.
         if speeds:
             yield (
-                f"the crank cannot turn fully ({linkage.grashof_class}), and operating speeds are "
+                f"the crank cannot turn fully ({linkage.grashof_class}), but operating speeds are "
                 "stated"
             )
     elif least < math.radians(low) or greatest > math.radians(high):
         found = " to ".join(f"{math.degrees(angle):.4g}" for angle in (least, greatest))
         yield (
-            f"transmission angle {found} deg leaves {low:g} to {high:g} deg: "
-            "large forces in the pins and little motion for them; see flexmech synthesize"
+            f"transmission angle {found} deg leaves the usual {low:g} to {high:g} deg: "
+            "joint forces are large for little motion; see flexmech synthesize"
         )
     lengths = sorted(linkage.lengths.values())
     if lengths[-1] > _MOST_LENGTH_RATIO * lengths[0]:
@@ -396,10 +397,10 @@ def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
     """On crank speeds against the first natural frequency, and its damping."""
     speed = max((abs(each) for each in mechanism.operating_speeds), default=0.0)
     turns, unit = speed / (2 * math.pi), mechanism.speed_unit
-    told = f"{from_si(speed, unit):.6g} {unit}"
+    speed_text = f"{from_si(speed, unit):.6g} {unit}"
     if turns > _MOST_SPEED_RATIO * first:
         yield (
-            f"operating speed {told} turns the crank {turns:.4g} times a second, the "
+            f"operating speed {speed_text} turns the crank {turns:.4g} times a second, the "
             f"first natural frequency is {first:.4g} Hz: below three times as much linkages ring "
             "and links may buckle; check the unit of the speed"
         )
@@ -410,7 +411,7 @@ def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
         strain = section.mass_per_length * (speed * link.length) ** 2 / section.axial_stiffness / 2
         if strain > _MOST_INERTIA_STRAIN:
             yield (
-                f"{link.name}: stretched by {100 * strain:.2g} % at {told} by its own "
+                f"{link.name}: stretched by {100 * strain:.2g} % at {speed_text} by its own "
                 "inertia, more than materials bear"
             )
     times = [section.damping.bending for section in mechanism.sections.values()]

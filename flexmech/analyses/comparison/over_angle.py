@@ -40,7 +40,7 @@ _CANDIDATES = 6
 # where the next one is so many times as far.
 _NEAR, _TIMES_FARTHER = 0.025, 3.0
 # A message names so many of the nearest modes.
-_MODES_TOLD = 3
+_MODES_NAMED = 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,8 +211,8 @@ def _modes(
         apart = np.abs(computed / frequency[:, None] - 1).mean(axis=0)
         nearest, next_one = np.sort(apart)[:2] if len(apart) > 1 else (apart[0], np.inf)
         if nearest > _NEAR or next_one < max(_NEAR, _TIMES_FARTHER * nearest):
-            told = sorted(np.argsort(apart)[:_MODES_TOLD])
-            far = ", ".join(f"from mode {n + 1} by {100 * apart[n]:.3g} %" for n in told)
+            nearest_modes = sorted(np.argsort(apart)[:_MODES_NAMED])
+            far = ", ".join(f"from mode {n + 1} by {100 * apart[n]:.3g} %" for n in nearest_modes)
             raise InputError(
                 f"{record.source}: does not say of which modes its frequencies are, and not one "
                 f"mode alone is near them: they differ {far}; add a column 'mode' that numbers "

@@ -124,7 +124,7 @@ class TimeProblem(RecordProblem):
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """What is fitted, and from where: a stiffness from that of the record's begin."""
+        """Fitted parameters and their starts: a stiffness from that of the record's begin."""
         samples = len(self.time) // _GROWTH
         fits_stiffness = bool(stiffness_factors(dict.fromkeys(self.names, 1.0)))
         if not fits_stiffness or not self._is_long_enough(samples):

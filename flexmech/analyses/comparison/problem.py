@@ -249,7 +249,7 @@ class LinearTerms:
         wanted = _parts(self.bound(record - self.curve(rest, record))).ravel()
         columns = [_parts(self.bound(self.terms[name])).ravel() for name in names]
         matrix = np.stack(columns, axis=1)
-        # Terms of like size, so that their units do not decide which ones are told apart.
+        # Terms of like size, so that their units do not decide which ones can be separated.
         size = np.maximum(np.linalg.norm(matrix, axis=0), np.finfo(float).tiny)
         solution = np.linalg.lstsq(matrix / size, wanted, rcond=None)[0] / size
         return dict(zip(names, solution.tolist(), strict=True))

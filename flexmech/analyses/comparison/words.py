@@ -18,8 +18,8 @@ from flexmech.analyses.summary import Summary, Table, crank_speed_text, warnings
 
 # Part of the record's variance from which a model is said to miss what was measured.
 _POOR = 0.5
-# Parameters that the answer tells one by one.
-_MOST_TOLD = 2
+# Parameters that the answer lists one by one.
+_MOST_PARAMETERS = 2
 # Relative difference of frequencies beyond which other modes are compared, or another linkage.
 _FAR_OFF = 0.1
 # With its sign turned, a record must be explained better by this factor to be thought
@@ -27,9 +27,9 @@ _FAR_OFF = 0.1
 _TURNED_BETTER = 0.8
 # Factor or its inverse beyond which a gain is no error of calibration.
 _CALIBRATION = 2.0
-# Factor of the intervals' width below which nobody needs to be told of it.
+# Factor of the intervals' width below which it is not printed.
 _LITTLE_WIDER = 1.2
-# Beyond it two parameters can hardly be told apart: each is known three times worse than alone.
+# Beyond it two parameters can hardly be separated: each is known three times worse than alone.
 _CLOSE = 0.95
 
 
@@ -95,7 +95,7 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
     how = "as it is" if not fitted else "with these values" if len(fitted) > 1 else "with it"
     last = f"The model {how} leaves {unexplained.value:.3g} % of the record's variance unexplained."
     # Many links have a parameter each: the table lists them.
-    return (*lines[:_MOST_TOLD], last)
+    return (*lines[:_MOST_PARAMETERS], last)
 
 
 def _fit_table(data: xr.Dataset) -> Table | None:
@@ -123,7 +123,7 @@ def _trust(data: xr.Dataset) -> str:
         intervals = f"the intervals are up to {widened:.3g} times wider than for white noise"
     lacks = "hat the model lacks may shift the values by more than that"
     if not order:
-        where = f"larger where the record tells most, so that {intervals}; w{lacks}"
+        where = f"larger where the record is most sensitive, so that {intervals}; w{lacks}"
         return f"the residual is {where}"
     return (
         f"the residual is no white noise (autoregressive of order {order}): the model lacks "
@@ -171,7 +171,7 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
     names = data["parameter"].values.tolist()
     for first, second in combinations(range(len(names)), 2):
         value = float(data["correlation"].values[first, second])
-        hardly = ", hardly told apart" if abs(value) > _CLOSE else ""
+        hardly = ", hardly separable" if abs(value) > _CLOSE else ""
         yield Quantity("correlation", value, "", of=f"{names[first]}, {names[second]}{hardly}")
     parts = [data[name].values for name in data if str(name).startswith("residual")]
     size = float(np.sqrt(np.mean(sum(part**2 for part in parts))))

@@ -136,12 +136,12 @@ def _answer(data: xr.Dataset, is_curve: bool) -> Iterator[str]:
         words = [
             f"{count or 'no'} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()
         ]
-        who = f"Dry, the {what} runs" if number == 0 else f"At {state} it runs"
+        who = f"The dry {what} covers" if number == 0 else f"At {state} it covers"
         loops = f", with {' and '.join(words)}" if words else ""
-        yield f"{who} through {' by '.join(size)} mm{loops}."
+        yield f"{who} {' by '.join(size)} mm{loops}."
     if data.sizes["state"] > 1:
         moved, at = _moved(data)
-        yield f"It is moved by at most {moved:.3g} mm, at crank angle {at:.4g} deg."
+        yield f"Its greatest shift is {moved:.3g} mm, at crank angle {at:.4g} deg."
 
 
 def _states_table(data: xr.Dataset) -> Table:

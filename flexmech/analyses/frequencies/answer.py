@@ -109,7 +109,7 @@ def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
 def _allowed(dataset: xr.Dataset) -> FloatArray:
     """What the errors of two engines explain together, shape (speeds, angles, modes).
 
-    Of errors that are no small parts the product counts too.
+    Where errors are not small their product counts too.
     """
     error = error_of_model(dataset).transpose("engine", "crank_speed", "mode").values[:2]
     together = np.prod(1 + error, axis=0) - 1 + 10.0**-MOST_DECIMALS
@@ -189,7 +189,7 @@ def _beyond_tolerance(apart: float, errors: Mapping[str, float], dataset: xr.Dat
     elements = int(dataset["elements"].sel(engine=coarser).max())
     return (
         f"; beyond the tolerance of {tolerance:.0e}, for which {coarser} needs more than the "
-        f"{elements} elements on a link that are taken unasked; trust {better}"
+        f"{elements} elements on a link that are the limit without --elements; trust {better}"
     )
 
 
@@ -219,10 +219,10 @@ def percent_range(values: xr.DataArray, error: float) -> str:
     places = MOST_DIGITS - 1 - math.floor(math.log10(size)) if size else 0
     known = math.isfinite(error) and error > 0
     places = max(min(places, decimals_of(100 * error)) if known else places, 0)
-    told = " to ".join(dict.fromkeys(f"{end:+.{places}f}" for end in ends))
+    percents = " to ".join(dict.fromkeys(f"{end:+.{places}f}" for end in ends))
     uncertain = f"{100 * error:.{places}f}"
     # A difference below the last printed place is no error.
-    return f"{told} % ± {uncertain} %" if known and float(uncertain) else f"{told} %"
+    return f"{percents} % ± {uncertain} %" if known and float(uncertain) else f"{percents} %"
 
 
 def speed_change(dataset: xr.Dataset, slow: int, fast: int) -> str:
@@ -285,10 +285,10 @@ def change_lines(change: xr.DataArray | None, error: xr.DataArray | None) -> lis
         f"{change_by_state(change, error, place)} (mode {mode})"
         for place, mode in enumerate(change["mode"].values)
     ]
-    lines = [f"against dry: {', '.join(ranges)}"]
+    lines = [f"change from dry: {', '.join(ranges)}"]
     if change.sizes["engine"] > 1:
         lines.append(
-            f"against dry: engines differ by at most {_apart(change):.1e} of the frequency"
+            f"change from dry: engines differ by at most {_apart(change):.1e} of the frequency"
         )
     return lines
 
@@ -330,7 +330,7 @@ def answer(
     fastest = int(np.argmax(np.abs(dataset["crank_speed"].values)))
     speed = float(dataset["crank_speed"][fastest])
     errors = errors_in_hertz(extremes, dataset)
-    told = []
+    changes = []
     for number, mode in enumerate(dataset["mode"].values[:_MOST_MODES].tolist()):
         ends = (
             rounded(
@@ -338,18 +338,18 @@ def answer(
             )
             for end in ("lowest", "highest")
         )
-        told.append(f"f{mode} is {' to '.join(dict.fromkeys(ends))} Hz")
+        changes.append(f"f{mode} is {' to '.join(dict.fromkeys(ends))} Hz")
     where = f"At {speed_text(speed, unit)} {unit}" if speed else "At rest"
-    lines = [*flutter_lines(dataset), f"{where} {', '.join(told)} over the crank angles."]
+    lines = [*flutter_lines(dataset), f"{where} {', '.join(changes)} over the crank angles."]
     slowest = int(np.argmin(np.abs(dataset["crank_speed"].values)))
     if slowest != fastest and dataset["engine"].size:
         slow = float(dataset["crank_speed"][slowest])
         name = f"{speed_text(slow, unit)} {unit}" if slow else "rest"
         moved = speed_change(dataset, slowest, fastest)
-        lines.append(f"Against {name} the speed changes f1 by {moved}.")
+        lines.append(f"Compared with {name}, the speed changes f1 by {moved}.")
     if change is not None and error is not None:
         moved = change_by_state(change, error, 0)
-        lines.append(f"Heat and moisture change f1 by {moved} against the dry linkage.")
+        lines.append(f"Compared with the dry linkage, heat and moisture change f1 by {moved}.")
     return lines
 
 

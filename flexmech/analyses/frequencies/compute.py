@@ -189,8 +189,8 @@ def moving_frequencies(mechanism: Engines, asked: FrequencyOptions) -> MovingFre
         return _dry_and_in(environment, fit, request, report)
 
     found, fewer = as_many_modes(compute, asked.modes, unit)
-    told = left_out_attributes(first) | ({} if tolerance is None else {"tolerance": tolerance})
-    return MovingFrequencies(found.assign_attrs(told | fewer))
+    notes = left_out_attributes(first) | ({} if tolerance is None else {"tolerance": tolerance})
+    return MovingFrequencies(found.assign_attrs(notes | fewer))
 
 
 def _dry_and_in(

@@ -19,7 +19,7 @@ _CAUSES = ("discretisation", "reduction")
 _DIGITS, _NOTHING = 3, 1e-9
 
 
-def told(dataset: xr.Dataset) -> tuple[str, ...]:
+def variables_of(dataset: xr.Dataset) -> tuple[str, ...]:
     """Variables of the damping that a map has; none where nothing is damped.
 
     Parameters
@@ -88,7 +88,7 @@ def damping_range(dataset: xr.Dataset, variable: str) -> xr.Dataset:
 
 def headings(dataset: xr.Dataset) -> tuple[str, ...]:
     """Headings of the columns of :func:`cells`."""
-    return tuple(text for name in told(dataset) for text in (_HEADINGS[name], "to %"))
+    return tuple(text for name in variables_of(dataset) for text in (_HEADINGS[name], "to %"))
 
 
 def caption(dataset: xr.Dataset) -> str:
@@ -97,7 +97,7 @@ def caption(dataset: xr.Dataset) -> str:
         "damping_ratio": f"by {dataset.attrs.get('damped_by', 'Kelvin-Voigt')}",
         "strain_energy_damping": "by modal strain energy",
     }
-    said = [f"{_HEADINGS[name].removesuffix(' %')}: {by[name]}" for name in told(dataset)]
+    said = [f"{_HEADINGS[name].removesuffix(' %')}: {by[name]}" for name in variables_of(dataset)]
     return f"{'; '.join(said)}; ratio to critical damping over the turn" if said else ""
 
 
@@ -119,10 +119,10 @@ def cells(dataset: xr.Dataset, engine: str, speed: float, mode: int, *, both: bo
     Returns
     -------
     list of str
-        Two for each variable of :func:`told`.
+        Two for each variable of :func:`variables_of`.
     """
     found = []
-    for name in told(dataset):
+    for name in variables_of(dataset):
         every = damping_range(dataset, name).sel(crank_speed=speed, mode=mode)
         own = every.sel(engine=engine)
         for end in ("lowest", "highest"):
@@ -151,7 +151,7 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
     tuple of Quantity
     """
     unit, found = speed_unit(dataset), list[Quantity]()
-    for name in told(dataset):
+    for name in variables_of(dataset):
         first = damping_range(dataset, name).isel(engine=0)
         for speed in dataset["crank_speed"].values:
             for mode in dataset["mode"].values.tolist():
@@ -167,7 +167,7 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
 def trust(dataset: xr.Dataset) -> str:
     """How far damping ratios are known, to follow what is said of frequencies; may be empty."""
     said = ""
-    for name in told(dataset):
+    for name in variables_of(dataset):
         found = damping_range(dataset, name)
         size = np.fmax(abs(found["lowest"]), abs(found["highest"]))
         worst = float((found["error"] / size).where(size > _NOTHING).max())
@@ -189,7 +189,7 @@ def error_quantities(dataset: xr.Dataset) -> Iterator[Quantity]:
     Quantity
         In percent of the ratio.
     """
-    if "damping_ratio" not in told(dataset):
+    if "damping_ratio" not in variables_of(dataset):
         return
     at_checks = abs(dataset["damping_ratio"].sel(crank_angle=dataset["check_angle"]))
     for cause in _CAUSES:
@@ -201,7 +201,7 @@ def error_quantities(dataset: xr.Dataset) -> Iterator[Quantity]:
 
 def damping_lines(dataset: xr.Dataset) -> list[str]:
     """Negative damping ratios of frozen positions, and what of strain-energy damping is unknown."""
-    lines, kinds = [], told(dataset)
+    lines, kinds = [], variables_of(dataset)
     if "damping_ratio" in kinds:
         lines += _negative_lines(dataset)
     if "strain_energy_damping" in kinds:

@@ -22,7 +22,7 @@ from flexmech.solvers.reduction import (
 # Every 30 deg of a turn: each costs a solution on a finer mesh and one without component modes.
 CHECK_ANGLES = 12
 # A mesh is compared with one of four times the elements if that is no more than this, else of twice
-# as many. Of four times as many the distance is nearly the error itself (15/16 of it in second
+# as many. The distance to four times as many is nearly the error itself (15/16 of it in second
 # order), and a check is not to cost more than 64 elements do.
 FINE_MESH = 64
 # Component modes of the two meshes: the difference must be of the meshes alone. Speed alone: where
@@ -109,9 +109,9 @@ def share_of_error(divisions: int, compared: int) -> float:
     Returns
     -------
     float
-        Between the share in first order and that of high orders. Of half the divisions, where
-        twice as many do not fit into memory, the distance is the error itself in first order
-        and more than it in a higher one.
+        Between the share in first order and that of high orders. Against half the divisions, where
+        twice as many do not fit into memory, the distance is the error itself in first order and
+        more than it in a higher one.
 
     Examples
     --------
@@ -164,7 +164,7 @@ def damping_error(systems: Systems, crank_angles: FloatArray, crank_speed: float
     Returns
     -------
     ndarray, shape (A, m)
-        Of the damping ratio.
+        Estimated relative error of each damping ratio.
     """
     meshed = [systems.engine, on_compared_mesh(systems.engine)]
     here, there = (

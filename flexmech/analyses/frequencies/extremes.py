@@ -322,8 +322,8 @@ def extremes_between(
 class _Brackets:
     """Three angles around each of b minima of t curves, and the values there.
 
-    What is not bracketed, a minimum at an end of the angles or between angles that are far apart,
-    has one angle three times.
+    An extreme that is not bracketed, a minimum at an end of the angles or between angles that are
+    far apart, has one angle three times.
 
     Parameters
     ----------
@@ -450,7 +450,7 @@ class _Brackets:
 
 def _steepest(angle: FloatArray, value: FloatArray) -> FloatArray:
     """Greatest slope of the steps between angles (k, ...) with values (k, ...), in size."""
-    # Of a single angle no slope is known, which is no number, and nothing to warn of.
+    # A single angle has no slope: not a number, and nothing to warn of.
     return np.asarray(np.fmax.reduce(np.abs(np.diff(value, axis=0) / np.diff(angle, axis=0))))
 
 

@@ -104,7 +104,7 @@ class StrainEnergyDamping:
             else engine.running_links(system.motion, running)
         )
         damping = stressed.damping or [link.damping for link in engine.links]
-        # Of the unreduced links: a reduction may condense by another stiffness than theirs.
+        # The unreduced links count: a reduction may condense by another stiffness than theirs.
         loss = sum(
             _square(matrix, q)
             for matrix, q in zip(damping, _unreduced(system, vectors), strict=True)

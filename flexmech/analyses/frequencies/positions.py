@@ -195,7 +195,7 @@ def strain_energy_damping(
     Returns
     -------
     ndarray, shape (..., modes)
-        Of the modes in ascending order of frequency.
+        Damping ratios of the modes in ascending order of frequency.
 
     Raises
     ------

@@ -163,7 +163,7 @@ class MovingFrequencies(Result):
     def agreement(self) -> EngineAgreement | None:
         """How far the first two engines differ at most; None with a single engine.
 
-        Of a result with states, in the environment asked for.
+        A result with states is judged in the environment asked for.
         """
         return engine_agreement(self._last.dataset)
 

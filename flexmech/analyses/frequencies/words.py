@@ -234,7 +234,7 @@ def _veering(flags: xr.DataArray, engine: str, dataset: xr.Dataset) -> list[str]
 
 
 def _unclear(place: xr.Dataset) -> list[str]:
-    """Where modes of one engine and speed could not be told from each other."""
+    """Crank angles at which modes of one engine and speed could not be distinguished."""
     # Results of before this was looked at do not have it.
     if "branch_unclear" not in place or not place["branch_unclear"].any():
         return []

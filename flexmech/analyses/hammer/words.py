@@ -65,7 +65,7 @@ def _answer(dataset: xr.Dataset) -> tuple[str, ...]:
     """Identified frequencies and damping ratios of the first modes, over all crank angles."""
     found = dataset.isel(mode=slice(None, _FIRST_MODES))
     scatters = dataset.sizes["crank_angle"] == 1 and bool(dataset.attrs["noise"])
-    told = []
+    identified = []
     for number, mode in enumerate(found["mode"].values):
         own = found.isel(mode=number)
         frequency = own["identified_frequency"].values
@@ -80,13 +80,13 @@ def _answer(dataset: xr.Dataset) -> tuple[str, ...]:
         if scatters:
             hertz = with_error(float(frequency[0]), _error(own, "frequency"))
             percents = with_error(100 * float(ratio[0]), 100 * _error(own, "damping_ratio"))
-        told.append(f"mode {int(mode)} at {hertz} Hz, damped by {percents} %")
+        identified.append(f"mode {int(mode)} at {hertz} Hz with {percents} % damping")
     angles = DEGREES * dataset["crank_angle"].values
     one = f"at crank angle {angles[0]:.6g} deg"
     where = one if len(angles) == 1 else f"at {len(angles)} crank angles"
-    if not told:
+    if not identified:
         return (f"The test identifies none of the first modes {where}.",)
-    return (f"The test identifies, {where}: {'; '.join(told)}.",)
+    return (f"The test identifies {where}: {'; '.join(identified)}.",)
 
 
 def _error(mode: xr.Dataset, what: str) -> float:
@@ -194,8 +194,8 @@ def _unfound_warnings(dataset: xr.Dataset) -> list[str]:
             listed = ", ".join(map(str, modes))
             lines.append(
                 f"crank angle {DEGREES * float(angle):.6g} deg: mode{'s' * (len(modes) > 1)} "
-                f"{listed} not identified: nearly a node at one of the points, or hidden by "
-                "damping or noise; try another --impact or --response"
+                f"{listed} not identified: a point lies near a node, or damping or noise hides the "
+                "peak; try another --impact or --response"
             )
     return lines
 

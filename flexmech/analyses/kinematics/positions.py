@@ -348,7 +348,7 @@ def extreme_values(
     Returns
     -------
     dict
-        Of variables over ``extreme``, and of single numbers.
+        Variables over ``extreme``, and single numbers.
     """
 
     def found_at(angles: FloatArray) -> list[Sought]:

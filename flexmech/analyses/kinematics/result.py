@@ -11,6 +11,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.aspects.law import law_aspect
 from flexmech.analyses.aspects.motor import motor_aspect
+from flexmech.analyses.aspects.motor_choice import motor_choice_aspect
 from flexmech.analyses.aspects.shaking import harmonics_line, point_text
 from flexmech.analyses.aspects.sizing import sizing_aspect
 from flexmech.analyses.datasets import DEGREES
@@ -27,7 +28,7 @@ _DETAILED = MOST_DIGITS + 1
 # Digits of the crank angle of an extreme: a tenth of a degree.
 _ANGLE_DIGITS = 4
 # Relative error of extremes: less is below the digits of all that is printed.
-_TOLD = 1e-6
+_LEAST_ERROR = 1e-6
 _MOTION_AND_FORCE = ("m/s", "at deg", "m/s²", "at deg", "N", "at deg")
 _MM, _PER_RADIAN = 1e3, DEGREES
 # The answer has so many sentences at most.
@@ -100,7 +101,13 @@ class Kinematics(Result):
         rigid = Aspect(
             _answer(data, found), extremes, (warning,) if warning else (), _numbers(data, found)
         )
-        others = (_notes(data, found), sizing_aspect(data), law_aspect(data), motor_aspect(data))
+        others = (
+            motor_choice_aspect(data),
+            _notes(data, found),
+            sizing_aspect(data),
+            law_aspect(data),
+            motor_aspect(data),
+        )
         return Summary.of((rigid, *others), _table(data, found), _trust(data), most=_SENTENCES)
 
 
@@ -210,14 +217,14 @@ def _stroke_text(slider: str, found: _Found) -> str:
     )
     low, high = place.texts(_MM)
     if place.span <= place.error:
-        return f"{slider} stands at {high} mm along its line."
+        return f"Slider {slider} stands at {high} mm along its line."
     stroke = rounded(_MM * place.span, _MM * place.error)
-    text = f"{slider} strokes {stroke} mm, from {low} to {high} mm along its line"
+    text = f"Slider {slider} has a stroke of {stroke} mm, from {low} to {high} mm along its line"
     if speed.size <= speed.error:
         return f"{text}."
-    fastest = rounded(speed.size, speed.error)
+    fastest = f"{rounded(speed.size, speed.error)} m/s"
     return (
-        f"{text}, at up to {fastest} m/s and {rounded(acceleration.size, acceleration.error)} m/s²."
+        f"{text}; it reaches {fastest} and {rounded(acceleration.size, acceleration.error)} m/s²."
     )
 
 
@@ -262,7 +269,7 @@ def _extremes_table(data: xr.Dataset, found: _Found) -> Table:
         cells = (text for pair in pairs for text in pair)
         rows.append((of or "linkage", f"{name.replace('_', ' ')} {shown}", *cells))
     headings = ("of", "quantity", "least", "at deg", "greatest", "at deg")
-    title = "least and greatest values, vectors by their size"
+    title = "least and greatest values, magnitudes of vectors"
     return Table(title, headings, (tuple(rows),), text_columns=2)
 
 
@@ -287,12 +294,12 @@ def _trust(data: xr.Dataset) -> str:
     sizes = np.maximum(np.maximum(abs(least), abs(greatest)), np.finfo(float).tiny)
     if not np.isfinite(error).all():
         return (
-            "values are of the crank angles asked for alone: between them the linkage cannot be "
-            "moved; links are rigid here"
+            "values hold at the given crank angles only, because the linkage cannot move between "
+            "them; links are rigid here"
         )
     # What is zero but for round-off has no relative error.
-    known = np.where(sizes > ROUND_OFF, error / sizes, 0.0)
-    return f"numbers are known to {percent(max(float(known.max()), _TOLD))}; links are rigid here"
+    known = max(float(np.where(sizes > ROUND_OFF, error / sizes, 0.0).max()), _LEAST_ERROR)
+    return f"numbers are known to {percent(known)}; links are rigid here"
 
 
 def _numbers(data: xr.Dataset, found: _Found) -> tuple[Quantity, ...]:

@@ -98,7 +98,7 @@ class MoistureUptake(Result):
             caption="water over the dry mass of resin and link; time to a share of the equilibrium",
         )
         dry, gap = attrs["links_without_uptake"], float(data["mass_balance_error"].max())
-        balance = f"mass of water is balanced within {gap:.1e} of what the links can hold"
+        balance = f"mass of water is balanced within {gap:.1e} of the water that the links can hold"
         return Summary(
             tuple(_answer(data)),
             table,
@@ -119,17 +119,17 @@ def _answer(data: xr.Dataset) -> Iterator[str]:
     after = _exposure(end)
     if len({_share(end, str(link)) for link in end["link"].values}) == 1:
         who = f"the {wettest} has" if data.sizes["link"] == 1 else "each link has"
-        yield f"After {after} {who} {_share(end, wettest)} of the water that it takes up."
+        yield f"After {after} {who} {_share(end, wettest)} of the equilibrium moisture."
     else:
         yield (
-            f"After {after} the {wettest} has {_share(end, wettest)} of the water that it takes "
-            f"up, the {driest} {_share(end, driest)}."
+            f"After {after} the {wettest} has {_share(end, wettest)} of its equilibrium moisture, "
+            f"the {driest} {_share(end, driest)}."
         )
     slowest = _link_at(data["time_to_share"].sel(share=_SATURATED), "argmax")
     yield (
-        f"The {slowest} has {100 * _SATURATED:g} % of it after "
-        f"{_time_to(data, slowest, _SATURATED)}; "
-        f"water is then {_final_share(end, slowest)} of its dry mass."
+        f"The {slowest} reaches {100 * _SATURATED:g} % of it after "
+        f"{_time_to(data, slowest, _SATURATED)}, "
+        f"with water of {_final_share(end, slowest)} of its dry mass."
     )
 
 
@@ -203,10 +203,10 @@ def _exposure(end: xr.Dataset) -> str:
     return _in_days(float(end["time"]), plain)
 
 
-def _in_days(seconds: float, told: Callable[[float], str]) -> str:
+def _in_days(seconds: float, written: Callable[[float], str]) -> str:
     """A time in days, or in hours where it is less than one."""
     unit, name = ("day", "d") if from_si(seconds, "day") >= 1 else ("hour", "h")
-    return f"{told(from_si(seconds, unit))} {name}"
+    return f"{written(from_si(seconds, unit))} {name}"
 
 
 # Profiles at these parts of the time, uptake at so many times evenly in its root, in which it

@@ -1,1 +1,1 @@
-"""What a force on the running linkage does: harmonic transfer functions of a periodic system."""
+"""Response of the running linkage to a force: transfer functions of a periodic system."""

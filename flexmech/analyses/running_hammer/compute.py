@@ -1,4 +1,4 @@
-"""What a force on the running linkage does: harmonic transfer functions H_n(f).
+"""Response of the running linkage to a force: harmonic transfer functions H_n(f).
 
 The linkage at a constant crank speed is a periodic system (docs/theory/harmonic_response.md). Its
 answer follows from the time-varying linear equations in their moving modes; harmonic balance and
@@ -217,7 +217,7 @@ _MOST_HARMONICS = 60
 def running_hammer_test(
     mechanism: Engine | Mechanism, request: RunningHammerRequest
 ) -> RunningHammerTest:
-    """What a force on the running linkage does: harmonic transfer functions H_n(f).
+    """Response of the running linkage to a force: harmonic transfer functions H_n(f).
 
     The running linkage is a periodic system: a force at f answers at f and at f plus or minus
     multiples of the crank's frequency. H_n(f) is the response at f + n f_crank to a force at f, in
@@ -348,8 +348,8 @@ def _running_linkage(engine: Engine, request: RunningHammerRequest) -> _RunningL
     """Linearize the running linkage, and make sure that an impact on it decays."""
     if not engine.has_damped_links:
         raise InputError(
-            "an undamped linkage answers at its resonances without bounds; give the links damping: "
-            "--damping-ratio 0.5% (damping_ratio=0.005), or damping in the model file"
+            "the response of an undamped linkage is unbounded at its resonances; give the links "
+            "damping: --damping-ratio 0.5% (damping_ratio=0.005), or damping in the model file"
         )
     undamped = with_damping_time(engine, 0.0)
     bandwidth = request.bandwidth
@@ -398,7 +398,7 @@ def _frequencies(
     count = bandwidth / resolution * (1 + 1e-9) + 1
     if count < 2:
         raise InputError(
-            f"a record of {1 / resolution:.4g} s tells no frequency between zero and the bandwidth "
+            f"a record of {1 / resolution:.4g} s has no frequency between zero and the bandwidth "
             f"of {bandwidth:.4g} Hz; give a longer --duration, or a wider --bandwidth"
         )
     if count > _MOST_FREQUENCIES:

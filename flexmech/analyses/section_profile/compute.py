@@ -159,7 +159,7 @@ class SectionProfiles(Result):
     def figures(self) -> dict[str, Figure]:
         """Strain and stress through each laminate.
 
-        Of one material they are straight lines and a parabola, which a picture adds nothing to.
+        In a link of one material they are straight lines and a parabola: a picture adds nothing.
         """
         laminates = (
             link for link in self.links_with_layers if self.profile(link).sizes["layer"] > 1
@@ -449,7 +449,7 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
         stiff = f"of {tension} GPa in tension and of {bending} GPa in bending"
         if tension == bending:
             stiff = f"of {tension} GPa in tension and bending"
-        first = f"{who} as stiff as {bar} {stiff}, and {_have(links)} {mass} kg/m."
+        first = f"{who} as stiff as {bar} {stiff}; {_have(links)} {mass} kg/m."
     else:
         tension, bending = _range(own["axial_stiffness"], 1e-6), _range(own["bending_stiffness"])
         first = f"EA is {tension} MN, EI {bending} N m², the mass {mass} kg/m."

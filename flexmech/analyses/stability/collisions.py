@@ -54,7 +54,7 @@ LOCKED = 0.05
 # With damping two modes may stay together at a speed without growing there: then the sum is the
 # order but for round-off of the exponents, and no farther, for it goes on at the next speed.
 TOUCHES = 1e-6
-# Modes are told from each other by their angle, which interpolation between the speeds of a map
+# Modes are distinguished by their angle, which interpolation between the speeds of a map
 # gives within some tenths of a radian, and, where angles are alike, by frequency, within a tenth.
 ANGLE_SCALE, FREQUENCY_SCALE = 0.3, 0.1
 
@@ -68,7 +68,7 @@ class Meeting:
     lower, upper : float
         The speeds in rad/s.
     lower_frequency, upper_frequency : tuple of float
-        Of modes a and b in Hz at these.
+        Frequencies of modes a and b at these speeds, in Hz.
     order : int
     decay : float
         Geometric mean of the rates in 1/s at which a and b die out by their damping: they grow

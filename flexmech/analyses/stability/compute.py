@@ -144,11 +144,11 @@ class StabilityMap(Result):
         )
         ends = zip(data["band_lower_open"].values, data["band_upper_open"].values, strict=True)
         cut = np.array([" ".join(compress(("from", "to"), each)) for each in ends], dtype=str)
-        told = data["unstable"].astype(object)
+        unstable = data["unstable"].astype(object)
         with np.errstate(over="ignore"):  # far from any equilibrium a turn multiplies by 1e308
             modulus = np.exp(data["log_modulus"])
         return data.assign(
-            told_unstable=told.where(told != NOT_COMPUTED),
+            told_unstable=unstable.where(unstable != NOT_COMPUTED),
             kind_at_speed=kind,
             branches_at_speed=branches,
             modulus=modulus,
@@ -210,7 +210,7 @@ class StabilityMap(Result):
         return plots.plot_stability(plots.chosen(self.dataset, engine=engine), ax=ax)
 
     def summary(self) -> Summary:
-        """Speeds at which a vibration grows, what calms them, and how far that is known."""
+        """Speeds at which a vibration grows, the damping that ends it, and the errors of both."""
         return summary_of(self.dataset)
 
 
@@ -394,8 +394,8 @@ ANGLES = 36
 def _moving(engine: Engine, request: StabilityRequest) -> xr.Dataset:
     """Bands of the moving frequencies, without rotation terms, at nine of the speeds at most.
 
-    Those without equilibrium are left out. Of the modes asked for, or of as many as there are;
-    zero where the linkage is statically unstable.
+    Speeds without equilibrium are left out. Bands of the modes asked for, or of as many as there
+    are; zero where the linkage is statically unstable.
     """
     level: Prestress = "equilibrium" if request.prestress == "trajectory" else request.prestress
     speeds = request.crank_speeds

@@ -153,7 +153,7 @@ def band_name(
     BandName
     """
     found: list[tuple[float, BandName]] = []
-    # Of too few steps a mode may not turn at all: its frequency is zero.
+    # With too few steps a mode may not turn at all: its frequency is zero.
     height, usual_height = (
         np.log(np.maximum(of, np.finfo(float).tiny)) for of in (frequency, usual)
     )
@@ -360,8 +360,8 @@ def order_is_nearest(name: BandName, solver: LinkageSolver, modes: SelectedModes
     Returns
     -------
     bool
-        Of a principal band only every second order is possible. False where a frozen mode does not
-        oscillate, so that nothing tells.
+        Only every second order is possible for a principal band. False where a frozen mode does not
+        oscillate, and so decides nothing.
     """
     if not name.branches:
         return True
@@ -592,8 +592,8 @@ def find_top(
 
 # Relative: ratios are written with three digits, which two more keep right.
 RATIO_TOLERANCE = 1e-5
-# Of critical damping, beyond which nothing is called a vibration; and far below what any material
-# has, 1e-6, while growth by round-off ends at 1e-10.
+# Damping ratio beyond which nothing is called a vibration; and one far below what any material has,
+# 1e-6, while growth by round-off ends at 1e-10.
 LARGEST_RATIO, LEAST_RATIO = 1.0, 1e-9
 # The first step from the start relative to it, and its least size, of ratios that close narrow
 # bands: shorter ones take more steps, and longer ones bracket the ratio less closely. A next one is
@@ -713,7 +713,7 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     Returns
     -------
     ExponentErrors
-        Not a number for what cannot be compared: beams that are softer buckle earlier, and modes
+        Not a number where nothing can be compared: beams that are softer buckle earlier, and modes
         that die out too fast within a turn have no multipliers.
     """
     coarse = solver.sampled_coarsely()

@@ -187,7 +187,7 @@ class _EngineMap:
         unit = self._request.shown_unit
         speeds: list[TrackedSpeed | NoEquilibrium] = [
             *(each for each in tracked if each.crank_speed in asked),
-            *(NoEquilibrium(w, e.told(unit)) for w, e in refused.items() if w in asked),
+            *(NoEquilibrium(w, e.in_unit(unit)) for w, e in refused.items() if w in asked),
         ]
         return EngineStability(
             engine=self._solver.engine,

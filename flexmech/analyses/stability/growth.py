@@ -279,7 +279,7 @@ class SignedGrowth:
 def nearest_meeting(exponent: NDArray[np.complex128], period: float) -> float:
     """Half of the least angular velocity by which two modes of opposite sense pass, in rad/s.
 
-    Of two modes that mix with higher ones those that turn back may be kept: the others, their
+    Where two modes mix with higher ones, those that turn back may be kept: the others, their
     conjugates, turn forward as fast.
     """
     kept = exponent.imag[exponent.imag > 0]
@@ -426,7 +426,7 @@ class TrackedSpeed(FloquetExponents):
     def signature_of(self, frequency: float, sense: int) -> float:
         """Krein signature of the mode of a frequency in Hz that turns forward (1) or back (-1).
 
-        Of the nearest one: branches change places where their modes are mixtures.
+        The nearest frequency counts: branches change places where their modes are mixtures.
         """
         nearest = int(np.abs(np.log(self.frequency[::2] / frequency)).argmin())
         own = slice(2 * nearest, 2 * nearest + 2)

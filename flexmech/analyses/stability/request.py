@@ -18,7 +18,7 @@ from flexmech.errors import InputError
 from flexmech.solvers.floquet_modes import MOST_STEPS, SHAPE_ANGLES
 from flexmech.validation import check_count, check_number, checked_array
 
-# So that half of them, by which the error of the steps is told, meet all crank angles at which
+# So that half of them, by which the error of the steps is estimated, meet all crank angles at which
 # shapes are compared.
 LEAST_STEPS = 2 * SHAPE_ANGLES
 

@@ -1,4 +1,4 @@
-"""A stability map in words: speeds at which a vibration grows, what calms it, how sure that is."""
+"""A stability map in words: speeds of growing vibration, damping that ends it, and confidence."""
 
 from __future__ import annotations
 
@@ -15,9 +15,7 @@ from flexmech.analyses.details import (
     Range,
     details_table,
     engines_line,
-    lies_in,
     notes_of,
-    operating_speeds,
     ranges_text,
     speed_name,
 )
@@ -39,7 +37,7 @@ from flexmech.analyses.summary import (
     warnings_of,
 )
 from flexmech.arrays import FloatArray, unbroken_runs
-from flexmech.plots.reading import speed_unit
+from flexmech.plots.reading import lies_in, operating_speeds, speed_unit
 from flexmech.units import from_si
 
 # Bands of an engine that the table shows; of more, the fastest growing.
@@ -253,7 +251,7 @@ def _range(band: xr.Dataset) -> str:
 def _edges(band: xr.Dataset) -> tuple[str, str]:
     """Edges with the digits that their errors leave known; < and > where a band goes on.
 
-    Two edges are told from each other, too, however great their errors are.
+    Two edges also differ in the printed digits, however great their errors are.
     """
     scale = from_si(1.0, speed_unit(band))
     values = [scale * end for end in _ends(band)]

@@ -200,7 +200,7 @@ def pin_variables(
 
 # Crank angles of equilibria at other speeds: a turn in steps of five degrees, for speed alone.
 MOST_SEARCHED = 73
-TOLD = 1e-6
+LEAST_ERROR = 1e-6
 """Relative error of a load factor: less is below the digits of all that is printed."""
 # Rounds for rigid links, which cost little: five usually settle every factor.
 _ROUNDS = 8
@@ -413,7 +413,7 @@ def _judged_by(
     loads: LoadsOfTurn,
     static: LoadsOfTurn | None = None,
 ) -> xr.Dataset:
-    """What one engine's loads at some crank angles make of links and pins; those asked for told."""
+    """Stresses of links and pins by one engine's loads at crank angles, with those asked for."""
     links, pins = judged.judge(loads, static)
     numbers = np.searchsorted(judged_at, angles)
     asked = loads.at(numbers)
@@ -429,7 +429,7 @@ def _judged_by(
 def _with_errors(dataset: xr.Dataset, errors: Mapping[Name, float]) -> xr.Dataset:
     """The dataset with the relative error of the load factor of every margin."""
     parts = zip(dataset["margin_kind"].values, dataset["margin_part"].values, strict=True)
-    known = [max(errors.get((str(kind), str(part)), 0.0), TOLD) for kind, part in parts]
+    known = [max(errors.get((str(kind), str(part)), 0.0), LEAST_ERROR) for kind, part in parts]
     return dataset.assign(margin_error=("margin", known))
 
 

@@ -45,7 +45,7 @@ class Endurance:
         To failure; infinite where the endurance limit is stated and kept, not a number where it
         is not kept and no S-N line is known.
     amplitude, mean : ndarray, shape (k, N, 2)
-        Of the cycle from the greatest to the least stress, in Pa.
+        Amplitude and mean of the cycle from the greatest to the least stress, in Pa.
     cycles : ndarray, shape (k, N, 2)
         Counted in a turn; not a number where no S-N line asks for it.
     peak : ndarray of int, shape (k, N, 2)
@@ -188,7 +188,7 @@ def counted_cycles(history: FloatArray) -> tuple[FloatArray, FloatArray, FloatAr
     Returns
     -------
     amplitude, mean : ndarray, shape (n,)
-        Of each cycle, in Pa; those of round-off are left out.
+        Amplitude and mean of each cycle, in Pa; cycles of round-off are left out.
     count : ndarray, shape (n,)
         1 of a cycle, 1/2 of a half one.
     """
@@ -217,7 +217,7 @@ def _growth(fatigue: FatigueStrength, still: FloatArray, moving: FloatArray) -> 
     """
     use, lines = fatigue.use, fatigue.use_lines
     by_moving = use(moving.max(axis=0), moving.min(axis=0))
-    # Of a sum no more is used than of its parts: here at least all.
+    # The use by a sum is no more than that of its terms: here at least all.
     against = use(-still.min(axis=0), -still.max(axis=0))
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.where(by_moving > 0, (1 + against) / by_moving, 0.0)
@@ -239,7 +239,7 @@ def _growth(fatigue: FatigueStrength, still: FloatArray, moving: FloatArray) -> 
     return np.asarray(np.where(too_much, 0.0, np.where(by_moving > 0, factor, np.inf)))
 
 
-COMPOSITES = "fatigue of composites is not judged"
+COMPOSITES = "fatigue of composite links is not judged"
 # Between crank angles: of a stress that turns with the crank, samples so far apart miss 3 % of the
 # peak.
 _WIDEST = np.radians(30.0)
@@ -304,9 +304,13 @@ class EnduringLinks:
         lines = [f"{COMPOSITES}: {', '.join(mixed)}"] if mixed else []
         if silent := [name for name in metal if name not in strengths]:
             names = ", ".join(silent)
-            lines.append(f"fatigue not judged, for [materials.NAME.fatigue] is missing: {names}")
+            lines.append(
+                f"fatigue is not judged, because [materials.NAME.fatigue] is missing: {names}"
+            )
         if strengths and (reason := _why_not_repeated(mechanism, request)):
-            return cls({}, {}, (*lines, f"fatigue not judged of {', '.join(strengths)}: {reason}"))
+            return cls(
+                {}, {}, (*lines, f"fatigue of {', '.join(strengths)} is not judged: {reason}")
+            )
         for own in strengths.values():
             check_counting(own)
         return cls({name: layers[name] for name in strengths}, strengths, tuple(lines))
@@ -412,7 +416,7 @@ def _only_material(layers: Layers) -> Material | None:
 def _why_not_repeated(mechanism: Mechanism, request: StrengthRequest) -> str:
     """Why loads do not repeat turn after turn; empty where they do."""
     if request.source == "transient":
-        return "a run that begins with straight links does not repeat; choose the source periodic"
+        return "a run that begins with straight links does not repeat; choose --source periodic"
     if request.source in ("quasi-static", "rigid") and not covers_a_turn(request.crank_angles):
         return "the crank angles do not cover a turn in steps of 30 deg at most"
     if timed := [load.name for load in mechanism.loads if load.over == "time"]:

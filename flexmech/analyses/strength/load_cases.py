@@ -109,7 +109,7 @@ def _bent(engine: Engine, motion: RigidMotion) -> DisplacedLinks:
     try:
         return DisplacedLinks.at_equilibrium(engine, motion)
     except ComputationError as error:
-        remedy = "; what they would bear if they stayed straight is asked for by the source rigid"
+        remedy = "; the source rigid gives the margins of links that stay straight"
         raise ComputationError(error.message + remedy, crank_speed=error.crank_speed) from error
 
 
@@ -223,7 +223,7 @@ def _moment_gap(
 ) -> FloatArray:
     """Greatest difference of bending moments from those of the curvature, and greatest moment.
 
-    Of each link, (n_links, 2), zero where it is rigid; without what damps the links.
+    Shape (n_links, 2), in N m; zero where a link is rigid. Forces that damp the links do not count.
     """
     found = np.zeros((len(running.links), 2))
     for number, link in enumerate(running.links):

@@ -242,8 +242,8 @@ TEARING: tuple[PinMode, ...] = ("net tension", "shear-out")
 """Checks of what tears at an eye."""
 BY_YIELD: tuple[PinMode, ...] = ("bearing yield", *TEARING)
 """Checks against the yield strength of the link."""
-WANT = "for want of {}"
-INSIDE = "for the hole is not at an end of the link"
+WANT = "because {} is missing"
+INSIDE = "because the hole is not at an end of the link"
 
 
 @dataclass(frozen=True)
@@ -320,7 +320,7 @@ class PinChecks:
             of_reason = places.setdefault((", ".join(one.modes), one.why), {})
             of_reason.setdefault(one.joint, []).extend([one.link] if one.link else [])
         return [
-            f"pins, {modes} left out {why}: "
+            f"pins: {modes} not checked {why}: "
             + ", ".join(
                 f"{joint} ({', '.join(links)})" if links else joint
                 for joint, links in joints.items()
@@ -356,7 +356,7 @@ def _checks_of(mechanism: Mechanism, pin: JointPin) -> Iterator[PinCheck | LeftO
     ends = [end for end in topology.turning_ends[pin.joint] if end is not None]
     slides = any(slider.joint == pin.joint for slider in topology.sliders)
     if slides and _is_inside(topology, ends[0]):
-        # What its block does to the link and what its beams do to each other is not told apart.
+        # The forces of its block on the link and of its beams on each other are not separated.
         every: tuple[PinMode, ...] = ("bearing pressure", *BY_YIELD, "p v")
         yield LeftOut(pin.joint, every, INSIDE, ends[0].link)
         return
@@ -435,10 +435,10 @@ def _yield_strength(mechanism: Mechanism, link: str) -> float | str:
     """Yield strength of a link of one isotropic material, or why there is none."""
     layers = mechanism.layers_of(link)
     if layers is None:
-        return "for its material is not known"
+        return "because the material of the link is unknown"
     (ply, *others) = {layer.ply for layer in layers.laminate.layers}
     if others or ply.isotropic_material is None:
-        return "for the strengths of plies do not give that of an eye"
+        return "because strengths of plies do not give that of an eye"
     if ply.yield_strength is None:
         return WANT.format("yield_strength of the material")
     return ply.yield_strength

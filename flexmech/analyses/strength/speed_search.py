@@ -85,8 +85,8 @@ def search_speed(least: Least, start: float) -> SpeedSearch:
     Returns
     -------
     SpeedSearch
-        Of the part that fails first. Its speed factor is 1 where it fails at the speed itself
-        already, which is searched upwards alone.
+        Speed factor of the part that fails first, searched upwards alone: 1 where it fails at the
+        speed itself already.
     """
     found: dict[float, tuple[str, float]] = {}
 
@@ -129,8 +129,8 @@ def search_roots(least: Least, now: Mapping[str, float]) -> SpeedSearch:
     Returns
     -------
     SpeedSearch
-        Zero of parts that fail at rest. Of parts that do not fail at any speed at which an
-        equilibrium is found there is none.
+        Speed factor of each part: zero where it fails at rest, none where it does not fail at any
+        speed at which an equilibrium exists.
     """
     samples, end, note = {1.0: dict(now)}, FASTEST, ""
     found = {}
@@ -158,7 +158,7 @@ def search_roots(least: Least, now: Mapping[str, float]) -> SpeedSearch:
 def _next_speed(known: Mapping[float, float], end: float) -> tuple[float, float]:
     """Speed at which a load factor is 1, and the next one to try; each may be not a number.
 
-    Of load factors by the speed, and the speed from which on there are none.
+    Both follow from load factors by the speed, and the speed from which on there are none.
     """
     high = min((factor for factor, value in known.items() if value <= 1), default=math.inf)
     low = max((factor for factor, value in known.items() if value > 1 and factor < high), default=0)

@@ -164,7 +164,7 @@ def _of_fatigue(
         values = sign * stress[:, place]
         top = int(values.argmax())
         here.append(float(crank_angles[top]))
-        # Of a stress, which may be of either sign, the vertex is that of the parabola itself.
+        # A stress may have either sign: its vertex is that of the parabola itself.
         angles += _vertices(crank_angles, top, (-values).take, inverse=False, turns=True)
     swing = np.ptp(stress, axis=0)
     places = _vertices(own.place, place, (1.0 / np.where(swing > 0, swing, 1.0)).take)

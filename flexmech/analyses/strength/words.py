@@ -66,16 +66,17 @@ def _answer(data: xr.Dataset, margins: list[Margin]) -> tuple[str, ...]:
     first, names = margins[0], margin_names(data)
     load = first.load_factor
     if math.isinf(load):
-        return ("No part fails, however the loads rise: nothing grows towards failure.",)
+        return ("No part fails at any multiple of the loads: no stress grows towards failure.",)
     layer = _layer(data, first)
     place = f"{layer}, {first.where}" if layer else f"the {first.where}"
     at = plain(DEGREES * first.crank_angle)
-    how = f"{names[0]} fails first, by {first.mode} in {place}, crank at {at} deg"
+    subject = f"The {names[0]}" if first.kind != "pin" else f"P{names[0].removeprefix('p')}"
+    how = f"{subject} fails first, by {first.mode} in {place}, crank at {at} deg"
     if load == 0:
-        return (f"{how}: stresses of cure, heat or moisture alone break it.",)
+        return (f"{how}: stresses of cure, heat or moisture alone exceed its strength.",)
     factors = f"the loads may rise by a factor of {_factor(load)}"
     if load < 1:
-        factors = f"the loads must fall to {_factor(load)} of what they are"
+        factors = f"the loads must fall to {_factor(load)} of their values"
     speeds = np.array([one.speed_factor for one in margins])
     if not np.isnan(speeds).all() and math.isfinite(least := float(np.nanmin(speeds))):
         weakest = int(np.nanargmin(speeds))
@@ -86,7 +87,7 @@ def _answer(data: xr.Dataset, margins: list[Margin]) -> tuple[str, ...]:
     if math.isfinite(turns):
         speed = abs(float(data.attrs["crank_speed"]))
         hours = f", {turns * _HOURS / speed:.3g} h at this speed" if speed else ""
-        lasting = (f"As the loads are, it fails after {turns:.3g} turns{hours}.",)
+        lasting = (f"Under these loads it fails after {turns:.3g} turns{hours}.",)
     return (f"{how}: {factors}.", *lasting)
 
 
@@ -150,8 +151,8 @@ def _quantities(data: xr.Dataset, margins: list[Margin]) -> Iterator[Quantity]:
 
 def _notes(data: xr.Dataset) -> Iterator[str]:
     """How the numbers were found, and what was left out for want of data."""
-    notes, told = notes_of(__package__), {name: str(text) for name, text in data.attrs.items()}
-    source, modes = told["source_of_loads"], {*data.get("pin_mode", xr.DataArray("")).values.flat}
+    notes, attrs = notes_of(__package__), {name: str(text) for name, text in data.attrs.items()}
+    source, modes = attrs["source_of_loads"], {*data.get("pin_mode", xr.DataArray("")).values.flat}
     names = sorted({str(name) for name in data["criterion"].values.flat if str(name)})
     searched, runs = "searched_speed_factor" in data, source in _RUNS
     if names:
@@ -172,12 +173,12 @@ def _notes(data: xr.Dataset) -> Iterator[str]:
         if applies:
             yield notes[key]
     if runs:
-        yield notes["by run"].format(told["moment_gap"])
+        yield notes["by run"].format(attrs["moment_gap"])
     for name in (
         *("of_rigid_links", "environment_lines", "pin_checks_left_out", "fatigue_left_out"),
         CHOSEN_DAMPING,
     ):
-        yield from told.get(name, "").splitlines()
+        yield from attrs.get(name, "").splitlines()
     for name in (
         "cure_not_counted",
         "sliced",
@@ -185,8 +186,8 @@ def _notes(data: xr.Dataset) -> Iterator[str]:
         "pins_without_diameter",
         "search_note",
     ):
-        if told.get(name):
-            yield notes[name].format(told[name])
+        if attrs.get(name):
+            yield notes[name].format(attrs[name])
 
 
 def straight_line(data: xr.Dataset) -> str:
@@ -201,11 +202,11 @@ def straight_line(data: xr.Dataset) -> str:
     -------
     str
     """
-    told = ", ".join(
+    factors = ", ".join(
         f"{name} {_factor(one.load_factor)} ({_factor(one.speed_factor)})"
         for name, one in zip(margin_names(data), margins_of(data), strict=True)
     )
-    return f"if the links were rigid, load factor (and speed factor): {told}"
+    return f"if the links were rigid, load factor (and speed factor): {factors}"
 
 
 def _agreement(data: xr.Dataset) -> str:

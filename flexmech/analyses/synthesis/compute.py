@@ -70,7 +70,7 @@ class CrankRockerSynthesis(Result):
         return Summary(
             tuple(answer),
             None,
-            f"check: computed back from the lengths, what was wanted is met within {gap:.1e} deg",
+            f"check: angles computed from the lengths meet the wanted ones within {gap:.1e} deg",
             (
                 f"check: transmission angle {least:.6g} to {greatest:.6g} deg, rocker at "
                 f"{np.degrees(data['rocker_angle'].item()):.6g} deg at crank angle 0",

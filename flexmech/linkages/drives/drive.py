@@ -265,7 +265,7 @@ def first_greatest(values: FloatArray) -> int:
 
 # Samples of a law, and the fewest of each of its pieces.
 _SAMPLES, _OF_A_PIECE = 240, 4
-# Of a turn of a turn of a turn: every five degrees.
+# Samples of a turn, both ends included: one every five degrees.
 _OF_A_TURN = 73
 
 

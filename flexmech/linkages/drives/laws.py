@@ -414,7 +414,7 @@ class TableDrive(Drive):
             return spline
         return (
             f"{spline}; at {blow[0]:.4g} s its speed jumps by {blow[1]:.4g} rad/s, a blow whose "
-            "torque is no number, and what is told of it depends on the time step"
+            "torque is no number, and its printed value depends on the time step"
         )
 
     @property

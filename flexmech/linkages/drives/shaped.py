@@ -333,7 +333,7 @@ def check_shapeable(drive: Drive) -> None:
             'give a law in [drive], as law = "cycloid" with travel, time and dwell'
         )
     start = float(drive.crank_speed(0.0))
-    # Of a table that begins free its spline has some speed of round-off.
+    # The spline of a table that begins free has some speed of round-off.
     if abs(start) > 1e-6 * abs(drive.greatest_speed):
         raise InputError(
             f"a shaper is for a law that begins at rest, and this one begins at {start:.4g} rad/s; "

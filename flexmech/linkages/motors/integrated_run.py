@@ -86,7 +86,7 @@ def known_until(run: MotorRun, time: float) -> MotorRun:
     Returns
     -------
     MotorRun
-        Of the same duration.
+        Run of the same duration.
 
     Raises
     ------
@@ -132,7 +132,7 @@ class _Integration:
         self, equation: ShaftEquation, drive: MotorDrive, time: FloatArray, values: FloatArray
     ) -> None:
         self._equation, self._drive, self._way = equation, drive, equation.train.way
-        # Of a coupling the rotor stalls; the crank may stand still as it swings against it.
+        # With a coupling the rotor stalls; the crank may stand still as it swings against it.
         self._speed = 3 if equation.train.is_coupled else 1
         self._time, self._values = [time], [values]
 
@@ -274,7 +274,7 @@ def states_along(
     time : ndarray, shape (m,)
         Increasing, in s.
     angle, speed : ndarray, shape (m,)
-        Of the crank in rad and rad/s; cubic splines between.
+        Crank angle in rad and crank speed in rad/s; cubic splines between.
     start : ndarray, shape (k,)
         At the first time.
 
@@ -317,7 +317,7 @@ def yielded_along(
     time : ndarray, shape (m,)
         Increasing, in s.
     angle, speed, applied, inertia : ndarray, shape (m,)
-        Of the motion: angle in rad, speed in rad/s, torque on the crank in N m, inertia there in
+        Crank angle in rad, crank speed in rad/s, torque on the crank in N m, and inertia there in
         kg m^2.
     start : ndarray, shape (k,)
         States of the train at the first time.

@@ -1,6 +1,6 @@
 """Motors that turn the crank: torque curves and DC motors, speed control, gear, rotor, coupling.
 
-Everything of the motor is told on its own shaft; ``gear_ratio`` is how often that turns while the
+All quantities of the motor are on its own shaft; ``gear_ratio`` is how often that turns while the
 crank turns once. A DC motor obeys, with voltage u, current i and rotor speed w::
 
     L di/dt = u - R i - k w,    torque = k i
@@ -83,7 +83,7 @@ class Motor(abc.ABC):
         Parameters
         ----------
         twist, rate : ndarray, shape (...)
-            Of the rotor against the crank, in rad and rad/s.
+            Angle of the rotor against the crank in rad, and its rate in rad/s.
 
         Returns
         -------
@@ -488,7 +488,7 @@ class MotorOutput:
     rates : ndarray, shape (k, ...)
         Rates of its states: of the current in A/s if that is one, of the control's integral.
     current, voltage : ndarray, shape (...)
-        Of a DC motor in A and V; not numbers of a torque curve.
+        Current in A and voltage in V of a DC motor; not numbers for a torque curve.
     """
 
     torque: FloatArray
@@ -606,7 +606,7 @@ class DriveTrain:
         Parameters
         ----------
         angle, speed : ndarray, shape (...)
-            Of the crank in rad and rad/s.
+            Crank angle in rad and crank speed in rad/s.
         states : ndarray, shape (state_count, ...)
 
         Returns

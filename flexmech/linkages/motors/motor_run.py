@@ -194,7 +194,7 @@ class TwistedShaft:
         return series.at(angle / TURN) / TURN**order
 
 
-# Angles turned through at which the motion is told.
+# Angles turned through at which the motion is sampled.
 _TURN: FloatArray = np.linspace(0.0, 2 * np.pi, 721)
 # Tolerance of the residual between the nodes, relative: mean speeds are within 1e-9 of those by
 # steps of 1e-11.
@@ -282,7 +282,7 @@ def speed_range(time: FloatArray, speed: FloatArray) -> float:
 
     spline = CubicSpline(time, speed)
     extremes = spline.derivative().roots(extrapolate=False)
-    # Of a piece of constant speed SciPy gives its begin, and not a number for the rest of it.
+    # For a piece of constant speed SciPy gives its begin, and not a number for the rest of it.
     between = spline(extremes[np.isfinite(extremes)])
     return float(np.ptp(np.append(speed, between)))
 
@@ -420,7 +420,7 @@ class Stall:
 class MotorRun(Drive):
     """Motion of the rigid linkage under a motor: a drive as any other law of motion.
 
-    Of :func:`flexmech.motor_run`.
+    :func:`flexmech.motor_run` returns it.
 
     Parameters
     ----------
@@ -497,7 +497,7 @@ class MotorRun(Drive):
 
     @property
     def is_constant(self) -> bool:
-        """No: not even of a motor that does not start, whose torque is told."""
+        """No: a motor that does not start still has a torque."""
         return False
 
     @property
@@ -587,7 +587,7 @@ class MotorRun(Drive):
 class SettledRun(MotorRun):
     """Turns of a motion that repeats itself, from some crank angle on: a drive as any other.
 
-    Of :func:`repeated`.
+    :func:`repeated` returns it.
 
     Parameters
     ----------

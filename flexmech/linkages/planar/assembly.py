@@ -300,7 +300,7 @@ class Assembly:
         Returns
         -------
         BodyMotion
-            Of all bodies, (B, n); those of later steps are as the ground.
+            Motion of all bodies, (B, n); those of later steps are as the ground.
 
         Raises
         ------

@@ -56,7 +56,7 @@ class PlanarLinkage:
     ground : tuple of str
         Points that do not move. Links turn about them; the clamp is one of them.
     joints : tuple of PlanarJoint
-        What points do that are not pins; the clamp is one. Several clamps fix a frame of welded
+        Kinds of points that are not pins; the clamp is one. Several clamps fix a frame of welded
         links, which is stationary at every crank angle.
     drawn_at : float, optional
         Crank angle of the drawing in rad; that of the crank's first beam if left out.
@@ -185,8 +185,8 @@ class PlanarLinkage:
     def transmission_angles(self, crank_angle: ArrayLike) -> dict[str, FloatArray]:
         """Transmission angle at each joint that a dyad closes, between 0 and 90 degrees.
 
-        Between its two links, or between the link that pushes a slider and the normal of its line:
-        90 degrees less the pressure angle. Of bodies without a closed form there is none.
+        It lies between the two links, or between the link that pushes a slider and the normal of
+        its line: 90 degrees less the pressure angle. Bodies without a closed form have none.
 
         Parameters
         ----------

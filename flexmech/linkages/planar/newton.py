@@ -26,9 +26,9 @@ from flexmech.linkages.planar.drawing import Drawing
 Known = Callable[[FloatArray], BodyMotion]
 """All bodies at crank angles (B,), those in motion that are known before."""
 
-# Of the crank angle along the way, in rad. Cubic polynomials over the largest one guess a posture
-# to about 1e-5 where no dead point is near; a step that is too long is halved. Where steps become
-# as small as the smallest one the group locks, at an angle that is told to six digits.
+# Steps of the crank angle along the way, in rad. Cubic polynomials over the largest one guess a
+# posture to about 1e-5 where no dead point is near; a step that is too long is halved. Where steps
+# become as small as the smallest one the group locks, at an angle that is printed with six digits.
 LARGEST_STEP, SMALLEST_STEP = 0.15, 1e-7
 # What a prediction may miss along the way, in rad and in parts of the size: about a degree, where
 # two postures that are nearer to each other than ten of them are next to a dead point.

@@ -62,8 +62,8 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
     Returns
     -------
     TheoryComparison
-        Of the theories in :data:`flexmech.mechanics.beams.BEAM_SHAPES`, and of links of off-axis
-        plies whose ends joints restrain.
+        Frequencies by the theories in :data:`flexmech.mechanics.beams.BEAM_SHAPES`, and of links of
+        off-axis plies whose ends joints restrain.
     """
     links, counted = _links_of(mechanism), max(modes, MODES)
 

@@ -71,7 +71,7 @@ class BeamElements:
     def stiffness(self) -> FloatArray:
         """Elastic stiffness, (e, 2 p, 2 p).
 
-        Of Euler-Bernoulli beams: Kumar & Chandrakar, eq. 1.53, corrected (k36 = k63 = +2EI/L).
+        For Euler-Bernoulli beams: Kumar & Chandrakar, eq. 1.53, corrected (k36 = k63 = +2EI/L).
         """
         return self._at_the_pins(self.neutral_stiffness)
 
@@ -102,7 +102,7 @@ class BeamElements:
     def mass(self) -> FloatArray:
         """Consistent mass, (e, 2 p, 2 p).
 
-        Of Euler-Bernoulli beams: Kumar & Chandrakar, eq. 1.52, corrected (m22 = 13/35).
+        For Euler-Bernoulli beams: Kumar & Chandrakar, eq. 1.52, corrected (m22 = 13/35).
         """
         return self._moved(self._inertia)
 

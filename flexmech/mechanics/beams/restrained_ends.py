@@ -211,7 +211,7 @@ SOFTEST = 0.2
 # Elements of the beam with which the link is compared: twice those along the link in three
 # dimensions, so that its own error does not count.
 ELEMENTS = 28
-# Of products of half sines over the whole link, to all digits.
+# These integrate products of half sines over the whole link to all digits.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
@@ -320,7 +320,7 @@ def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, Restr
     Returns
     -------
     section : BeamSection
-        With its twist free where the joints' part is told besides.
+        With its twist free where the joints' part is added.
     added : RestrainedEnds, optional
         None of links that are not between two joints, whose plies are along or across, whose
         stiffness is stated, or whose twist is stated to be free.
@@ -366,7 +366,7 @@ def restrained_ends(section: LaminateSection, length: float) -> RestrainedEnds:
     Returns
     -------
     RestrainedEnds
-        Of links longer than :data:`SHORT` widths, of more than :data:`MOST_RUNS` runs of equal
+        For links longer than :data:`SHORT` widths, of more than :data:`MOST_RUNS` runs of equal
         plies, and so short that shear hides their bending, the constant torque of
         :mod:`flexmech.sections.free_edges` alone.
     """

@@ -246,7 +246,7 @@ class BeamShapes(ABC):
         Returns
         -------
         ndarray, shape (e, 2 (p - 2))
-            Of the first node, then of the second.
+            Rotations of the first node in rad, then of the second.
         """
         own = np.arange(2, self.per_node)
         is_angle = np.isin(own, self.angles)

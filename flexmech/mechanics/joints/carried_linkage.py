@@ -51,8 +51,8 @@ class CarriedLinkage:
         With the frame.
     frames : LinkFrames
     inertias, of_ends : tuple of LinkInertia
-        Of each link by its coordinates, and by those of its joined ends alone, which carry nothing
-        with them: see :class:`flexmech.mechanics.links.link_model.EndMatrices`.
+        Inertia of each link by its coordinates, and by those of its joined ends alone, which carry
+        nothing with them: see :class:`flexmech.mechanics.links.link_model.EndMatrices`.
     rigid : tuple of ndarray, shape (n_full, 3)
         Rigid of each unreduced link for unit displacements along and across it and unit rotation.
     """
@@ -171,8 +171,8 @@ class CarriedLinkage:
         motion : RigidMotion
             Batch of shape (B,).
         loads : sequence of ndarray, shape (B, n_full) or (n_full,)
-            On each unreduced link in its frame. Of a row that reads a displacement against the
-            ground, what the coordinates of the frame add to it.
+            Loads on each unreduced link in its frame, in N and N m. A row that reads a displacement
+            against the ground has what the coordinates of the frame add to it.
 
         Returns
         -------

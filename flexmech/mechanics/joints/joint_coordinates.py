@@ -418,7 +418,7 @@ class JointCoordinates:
 
         Rotations, of the first links most of all, are preferred to slides, and these to
         displacements: the rotation of a crank determines the position, a coordinate that is
-        stationary in a dead point does not. Of ends displacements depend on rotations, too.
+        stationary in a dead point does not. Displacements of ends depend on rotations, too.
         """
         links, ends = np.split(
             np.arange(self.size - len(self.slides)).reshape(-1, 3), [len(self.links)]

@@ -35,8 +35,9 @@ from flexmech.mechanics.links.rotation_terms import RotationTerms
 
 # Newton's method takes five to eight from the straight linkage; more is no position near it.
 ITERATIONS = 30
-# Of conditions in m, to the size of the longest link, and of angles in rad: fifty times the unit
-# round-off. Where it stays above that, as far as it comes is enough if it closes to the second.
+# Gap of the conditions in m, to the size of the longest link, and of angles in rad: fifty times the
+# unit round-off. Where it stays above that, as far as it comes is enough if it closes to the
+# second.
 CLOSED, NEARLY_CLOSED = 1e-14, 1e-9
 
 Matrix = TypeVar("Matrix", MatrixWithRates, FloatArray)
@@ -257,7 +258,7 @@ class LinkTies:
             target = self.targets[link]
             if not isinstance(source, BodyPoint):
                 for row, number in zip(rows, place[source], strict=True):
-                    # Of two rows of one link that are equal the second is dependent.
+                    # Where two rows of one link are equal the second is dependent.
                     if target[row] < 0 <= number and number not in target:
                         target[row] = number
                 source, rows = source[target[rows] < 0], rows[target[rows] < 0]
@@ -329,7 +330,7 @@ class LinkTies:
         Returns
         -------
         list of DependentRows
-            Of each link.
+            Dependent coordinates of each link.
         """
         if (latest := self._latest) is not None and latest[0] is motion:
             return latest[1]

@@ -13,9 +13,9 @@ from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linkages import RigidMotion
 
 LESS_LOADED = "{less_loaded}"
-"""Where an advice says what lowers the loads: the crank speed and what acts at rest, or that alone.
+"""Placeholder of an advice for the loads to lower: crank speed and loads at rest, or these alone.
 
-Of a linkage that its weight bends too far, no crank speed is low enough.
+No crank speed is low enough for a linkage that its weight bends too far.
 """
 ACTS_AT_REST = "what acts at rest (gravity, loads, springs, heat or water)"
 RUNNING = f"lower the crank speed or {ACTS_AT_REST}"
@@ -32,7 +32,7 @@ class RefusedPositionsError(ComputationError):
     crank_speed : float, optional
         Crank speed of the first, in rad/s.
     crank_angles, crank_speeds : ndarray, shape (n,), optional
-        Of all, in rad and rad/s.
+        Crank angles in rad and crank speeds in rad/s of all positions without equilibrium.
     """
 
     def __init__(

@@ -125,7 +125,7 @@ def field_coefficients(
     origin : ndarray, shape (m, 2)
         Velocity or acceleration of its start in ground axes.
     turn, distance : ndarray, shape (m,)
-        Of the turn about the start, and of the field of points at their distance from it.
+        Rate of the turn about the start, and of the field of points at their distance from it.
 
     Returns
     -------

@@ -70,7 +70,7 @@ def with_entries(
     Returns
     -------
     ndarray
-        Of a batch, where the values are.
+        Matrix of shape (n, n); of a batch, where the values are one.
     """
     batch = np.broadcast_shapes(matrix.shape[:-2], values.shape[:-1])
     total = np.array(np.broadcast_to(matrix, (*batch, *matrix.shape[-2:])))
@@ -215,8 +215,8 @@ class LinkModel:
         Coordinates that a joint of any kind at that end fixes: its pin is in a fitting that keeps
         the cross-section plane.
     vectors : ndarray of int, shape (2, k)
-        Coordinates along and across of all vectors in the link frame: displacements of nodes,
-        and slope vectors. Of a reduced link there are none.
+        Coordinates along and across of all vectors in the link frame: displacements of nodes, and
+        slope vectors. A reduced link has none.
     receding : ndarray of int, shape (1,) or (0,)
         Coordinate ``cos(phi) - 1`` of the free shaft that the link is clamped to, where its
         coordinates are natural ones.

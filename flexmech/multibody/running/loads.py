@@ -182,7 +182,7 @@ class SectionCouples:
         carried : RigidMotion
             That of the link frames, which a frame on springs or a free shaft turns besides.
         displacement, rate : sequence of ndarray, shape (m, n_link)
-            Of the links in these frames.
+            Displacement of the links in these frames, in m and rad, and its rate.
 
         Returns
         -------

@@ -303,7 +303,7 @@ class RunningModel:
         items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=markers)
         drive = None
         if torque is None:
-            # The drive stands on the frame: what it prescribes is the angle against that.
+            # The drive stands on the frame: it prescribes the angle against the frame.
             before = assembly.add_angle_marker(None, "frame_angle")
             drive = assembly.add_constraint("crank_drive", before, node, 2, **self._turning())
         inertia = 0.0 if torque is None else float(assembly.mechanism.shaft_inertia)
@@ -343,7 +343,7 @@ class RunningModel:
         Returns
         -------
         ItemNumber
-            Of the pin.
+            Number of the pin.
         """
         assembly, items = self.assembly, self.assembly.items
         name = f"clamp_{clamp.joint}"

@@ -33,7 +33,7 @@ from flexmech.plots.reading import (
 )
 from flexmech.plots.style import Look, line_handle, series_handle, series_line
 
-# Of a figure in inches: a flat linkage has room for names, a tall one fits on half a page.
+# Heights of a figure in inches: a flat linkage has room for names, a tall one fits on half a page.
 LEAST_HEIGHT, MOST_HEIGHT = 1.6, 3.6
 # Distance of a name from its joint in points, more across than up, as names are wider than high;
 # farther from what slides and the shaft, whose symbols are larger than a pin's.
@@ -144,7 +144,7 @@ def name_joints(axes: Axes, sketch: LinkageSketch, dataset: xr.Dataset) -> None:
     held = np.isin(dataset["joint_kind"].values, ["clamp", "pivot"])
     for number, (name, place) in enumerate(zip(names, places, strict=True)):
         here = np.hypot(*(places - place).T) <= SAME_PLACE * sketch.size
-        # Of several joints in one place the one that has the place's own name.
+        # Among several joints in one place, the one that has the place's own name is written.
         if min(np.flatnonzero(here), key=lambda other: len(names[other])) != number:
             continue
         offset = AWAY * _away(sketch, place, held=bool(held[number]))
@@ -176,7 +176,7 @@ def _away(sketch: LinkageSketch, place: FloatArray, *, held: bool) -> FloatArray
 
 
 def part_handles(sketch: LinkageSketch) -> list[Artist]:
-    """Legend entries of the parts that are not told by their symbols alone.
+    """Legend entries of the parts that their symbols alone do not identify.
 
     Parameters
     ----------

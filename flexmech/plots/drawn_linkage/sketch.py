@@ -47,10 +47,10 @@ LARGEST_MARK = 144.0
 # Least size of a point mass's mark: a ring of it is seen around the marks of pins and
 # welds.
 LEAST_MARK = 64.0
-# Width of a rigid link over that of one that bends: told from it where both are thin.
+# Width of a rigid link over that of one that bends: distinct from it where both are thin.
 THICK = 1.9
 
-# Over the linkage's extent, as small as it can be told on one column of a page: depth of a support,
+# Over the linkage's extent, as small as it can be seen on one column of a page: depth of a support,
 # half its width, depth of the hatching; radius of the driven shaft; half the length of a line and
 # of a block; radius of a torque; length of the arrow of the largest force, and distance of arrows
 # from what they would cover; length of the arrow of gravity, and its distance from all else, for
@@ -319,7 +319,8 @@ class LinkageSketch(Posture):
         found = []
         for body in self.parts.bodies:
             place, centre = self.place(body["at"]), self.centre(body)
-            found += symbols.body(place, centre, color, self.mark_size)
+            outline = self.outline(body)
+            found += symbols.body(place, centre, outline, color, self.mark_size)
         largest = max((mass["kg"] for mass in self.parts.masses), default=0.0)
         for mass in self.parts.masses:
             area = self.mark_size**2 * LARGEST_MARK * mass["kg"] / largest

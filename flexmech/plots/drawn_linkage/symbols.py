@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.transforms import Transform
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.plots.drawn_linkage import symbols
@@ -29,8 +29,8 @@ GRAVITY_COLOR = "0.5"
 THIN: Look = {"color": OUTLINE, "lw": 0.5}
 # Angle of the strokes of the driven shaft in rad: those of the ground below it lean alike.
 HATCH_ANGLE = np.radians(-135.0)
-# Turns of a spring between points and of one in a joint, as many as are told at its size, and share
-# of a spring that is straight at either end.
+# Turns of a spring between points and of one in a joint, as many as can be seen at its size, and
+# share of a spring that is straight at either end.
 COILS, SPIRAL_TURNS, STRAIGHT = 6, 2.0, 0.15
 
 
@@ -226,7 +226,7 @@ def _ground(what: str, ends: FloatArray, hatch: float) -> list[Symbol]:
 
 
 def block(place: FloatArray, line: float, half: float) -> Symbol:
-    """What slides on a line: a rectangle on it, of half a length and 0.6 times that in height.
+    """Block that slides on a line: a rectangle of half a length and 0.6 times that in height.
 
     Parameters
     ----------
@@ -282,13 +282,17 @@ def spiral(place: FloatArray, radius: float) -> Symbol:
     return Symbol("torsional spring", places, {"color": "0.25", "lw": 0.7, "zorder": 3.8})
 
 
-def body(place: FloatArray, centre: FloatArray, look: Look, size: float) -> list[Symbol]:
+def body(
+    place: FloatArray, centre: FloatArray, outline: FloatArray, look: Look, size: float
+) -> list[Symbol]:
     """An attached body: a crossed circle at its centre of mass, joined to its section.
 
     Parameters
     ----------
     place, centre : ndarray, shape (2,)
         Where the body is fixed, and its centre of mass, in m.
+    outline : ndarray, shape (n, 2)
+        Its corners in m; empty of a body without an outline.
     look : dict
         With its ``color``.
     size : float
@@ -300,7 +304,9 @@ def body(place: FloatArray, centre: FloatArray, look: Look, size: float) -> list
     """
     mark: Look = {"ls": "", "ms": 7.0 * size, "mew": 0.9, "zorder": 3.5}
     circle, cross = mark | {"marker": "o", "mfc": "white"}, mark | {"marker": "+"}
+    plate: Look = {"fc": look["color"], "ec": look["color"], "alpha": 0.25, "zorder": 0.7}
     return [
+        *([Symbol("plate", outline, plate, filled=True)] if len(outline) else []),
         Symbol("body", np.array([place, centre]), {"lw": 1.6, "zorder": 1.4} | look),
         Symbol("body", centre[None], circle | {"mec": look["color"]}),
         Symbol("body", centre[None], cross | {"mec": look["color"]}),
@@ -471,7 +477,7 @@ def parts_of(dataset: xr.Dataset, positions: FloatArray, held: NDArray[np.bool_]
     """
     if "drawing" not in dataset.attrs:
         return _by_places(positions, held)
-    return _told(json.loads(dataset.attrs["drawing"]))
+    return _linkage_parts(json.loads(dataset.attrs["drawing"]))
 
 
 def drawn_posture(dataset: xr.Dataset) -> tuple[FloatArray, LinkageParts, float] | None:
@@ -486,16 +492,16 @@ def drawn_posture(dataset: xr.Dataset) -> tuple[FloatArray, LinkageParts, float]
     ndarray, shape (link, 2, 2), LinkageParts, float
         In m and rad; None where the attribute holds no posture.
     """
-    told = json.loads(dataset.attrs.get("drawing", "{}"))
-    if "posture" not in told:
+    drawing = json.loads(dataset.attrs.get("drawing", "{}"))
+    if "posture" not in drawing:
         return None
-    posture = told["posture"]
-    return np.array(posture["ends"]), _told(told), float(posture["crank_angle"])
+    posture = drawing["posture"]
+    return np.array(posture["ends"]), _linkage_parts(drawing), float(posture["crank_angle"])
 
 
-def _told(told: Part) -> LinkageParts:
-    rigid = np.array([link["rigid"] for link in told["links"]], dtype=bool)
-    others = {name: part for name, part in told.items() if name not in ("links", "posture")}
+def _linkage_parts(drawing: Part) -> LinkageParts:
+    rigid = np.array([link["rigid"] for link in drawing["links"]], dtype=bool)
+    others = {name: part for name, part in drawing.items() if name not in ("links", "posture")}
     if "gravity" in others:
         others["gravity"] = tuple(others["gravity"])
     return LinkageParts(rigid, **others)
@@ -562,10 +568,18 @@ class Posture:
         """Where an end of a spring is."""
         return np.array(end["ground"], dtype=float) if "ground" in end else self.place(end["at"])
 
+    def carried(self, body: Part, points: ArrayLike) -> FloatArray:
+        """Where points (..., 2) are that an attached body has along and across its link."""
+        frame = self.turned(int(body["at"][0]))
+        return np.asarray(self.place(body["at"]) + np.asarray(points) @ frame.T)
+
     def centre(self, body: Part) -> FloatArray:
         """Where the centre of mass of an attached body is."""
-        frame = self.turned(int(body["at"][0]))
-        return np.asarray(self.place(body["at"]) + frame @ np.array(body["offset"]))
+        return self.carried(body, body["offset"])
+
+    def outline(self, body: Part) -> FloatArray:
+        """Where the corners (n, 2) of an attached body are; none of one without an outline."""
+        return self.carried(body, np.reshape(body.get("outline", []), (-1, 2)))
 
     def force(self, load: Part) -> FloatArray:
         """Force of a load in ground axes."""

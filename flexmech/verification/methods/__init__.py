@@ -1,4 +1,4 @@
-"""What the cases of the verification compute, by the names that their files use.
+"""Computations of the verification cases, by the names that their files use.
 
 A method is a public function of a file of this room that takes keyword arguments alone, which the
 files of the cases give, and returns numbers.

@@ -16,8 +16,8 @@ from scipy.integrate import solve_ivp
 
 from flexmech.arrays import ComplexArray, FloatArray
 
-# Of the test set, in SI units: crank and rod, the time at which its state is given, and the rod's
-# density, modulus and side, with the mass of the slider.
+# Data of the test set, in SI units: crank and rod, the time at which its state is given, and the
+# rod's density, modulus and side, with the mass of the slider.
 CRANK_LENGTH, ROD_LENGTH, CRANK_SPEED = 0.15, 0.30, 150.0
 END_TIME = 0.1
 DENSITY, MODULUS, SIDE, SLIDER = 7870.0, 2e11, 0.008, 0.075552

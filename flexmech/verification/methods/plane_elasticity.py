@@ -108,7 +108,7 @@ def fourbar_frequencies(
     ----------
     links : sequence of PlaneLink
     angles, lengths : sequence of float
-        Of the links, in rad and m.
+        Crank angles of the links in rad, and their lengths in m.
     count : int
 
     Returns
