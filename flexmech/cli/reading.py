@@ -34,7 +34,7 @@ ALONE = {
     "--no-rotation-terms": "--rotation-terms=none",
     "--running": OWN,
 }
-"""What options are without a value: all terms or none, and the speed of the model file."""
+"""Values of options that stand alone: all terms or none, and the speed of the model file."""
 
 
 def with_value(this: str, following: str) -> str:
@@ -91,7 +91,7 @@ def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _option(mark: Typed | Plain | None) -> Any:
-    """What typer knows of an option by its mark."""
+    """Typer's option for a mark."""
     if isinstance(mark, Plain):
         if not mark.option:
             return Argument(metavar=mark.metavar, parser=typed_path)

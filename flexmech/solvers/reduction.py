@@ -60,7 +60,7 @@ class Pencil:
 
     @classmethod
     def of_positions(cls, system: LinearSystem) -> list[Pencil]:
-        """Those of each position of an unreduced system, most of whose entries are zero."""
+        """Matrices of each position of an unreduced system, most of whose entries are zero."""
         dense = system.mass, system.damping, system.stiffness
         taken = np.any([matrix.any(axis=0) for matrix in dense], axis=0)
         columns, rows = np.nonzero(taken.T)
@@ -70,7 +70,7 @@ class Pencil:
 
     @classmethod
     def block_diagonal(cls, pencils: Sequence[Pencil]) -> Pencil:
-        """Those of several positions, of one size, as one."""
+        """Matrices of several positions, of one size, as one."""
         rows, starts, taken = [], [np.zeros(1, dtype=np.intc)], 0
         for number, pencil in enumerate(pencils):
             rows.append(pencil.rows + number * (len(pencil.starts) - 1))
@@ -137,7 +137,7 @@ def ritz_values(
 def responding_values(
     response: StaticResponse, masses: Sequence[FloatArray], shapes: Sequence[FloatArray]
 ) -> NDArray[np.complex128]:
-    """As :func:`ritz_values`, of elastic links without a matrix of the whole linkage.
+    """Values of :func:`ritz_values` for elastic links without a matrix of the whole linkage.
 
     Parameters
     ----------

@@ -344,7 +344,7 @@ def _runs(data: xr.Dataset) -> str:
 
 
 def _statistics_lines(data: xr.Dataset) -> list[str]:
-    """What the outputs are where properties are uncertain."""
+    """Line on the statistic by which each output counts where properties are uncertain."""
     if "uncertain" not in data.attrs:
         return []
     outputs = data.attrs["outputs"].split()

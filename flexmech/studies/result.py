@@ -1,4 +1,4 @@
-"""What results of studies have in common: designs as rows, and in words."""
+"""Common part of results of studies: designs as rows, and in words."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ class DesignSweep(Result):
 
 
 def _near_lines(data: xr.Dataset) -> list[str]:
-    """Which designs keep or fail a limit by less than their outputs are known."""
+    """Designs that keep or fail a limit by less than the errors of their outputs."""
     near = near_a_limit(data)
     if not near:
         return []

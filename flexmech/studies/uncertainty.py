@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 
 MOST_DESIGNS = 64
-"""Whose frequencies are drawn, the first of a sample: they alone are spread evenly too."""
+"""Most designs whose frequencies are drawn, the first of a sample: they too are spread evenly."""
 DRAWN_PERCENTILES = (2.5, 50.0, 97.5)
 # With fewer designs the interval of 95 % would be that of the outermost ones.
 _LEAST_DESIGNS = 8
@@ -408,7 +408,7 @@ def _trust(data: xr.Dataset, spread: float) -> str:
 
 
 def _cause(own: xr.Dataset) -> str:
-    """What an output depends on most."""
+    """The input that an output depends on most."""
     if "total" not in own or not np.isfinite(own["total"]).all():
         return ""
     most = str(own["total"].idxmax().item())

@@ -104,7 +104,7 @@ def settled_values(run: MotorRun, mechanism: Mechanism) -> dict[str, FloatArray]
 
 
 def motor_values(run: MotorRun, given: MotorOutput, speed: FloatArray) -> dict[str, FloatArray]:
-    """What a motor gives over time.
+    """Output of a motor over time.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def last_turn(angle: FloatArray, speed: FloatArray, time: FloatArray) -> tuple[f
 
 
 def motor_aspect(data: xr.Dataset) -> Aspect:
-    """What a motor does: nothing of a result without one.
+    """Share of a motor in a summary; empty for a result without one.
 
     Parameters
     ----------

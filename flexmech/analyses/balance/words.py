@@ -1,4 +1,4 @@
-"""What a balance says: the counterweights, what they take off the frame, and what they cost."""
+"""A balance in words: the counterweights, their gain and their cost."""
 
 from __future__ import annotations
 

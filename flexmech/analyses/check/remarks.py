@@ -1,4 +1,4 @@
-"""What a linkage is in a sentence, and what an engineer would remark on in a mechanism.
+"""A linkage in a sentence, and remarks of an engineer on a mechanism.
 
 What cannot be at all is refused where a number is read (:mod:`flexmech.plausible`); here are the
 ranges of what is usual. Sections without known layers are judged by what their stiffnesses and
@@ -76,7 +76,7 @@ def turns_fully(linkage: Linkage) -> bool:
 
 
 def _planar_kind(linkage: PlanarLinkage) -> str:
-    """What a drawing shows: a slider-crank with its lengths, or how many links and sliders."""
+    """A drawing in words: a slider-crank with its lengths, or the number of links and sliders."""
     links, topology = linkage.links, linkage.topology
     sliders = topology.sliders
     count, many = len(links), len(sliders)

@@ -78,7 +78,7 @@ def _unit(parameter: xr.Dataset) -> str:
 
 
 def _answer(data: xr.Dataset) -> tuple[str, ...]:
-    """What fits best, and what of the record it leaves unexplained."""
+    """Best values, and the part of the record that stays unexplained."""
     *fitted, unexplained = _numbers(data)
     lines = []
     for one, (kind, link, own) in zip(fitted, _parameters(data), strict=True):
@@ -112,7 +112,7 @@ def _fit_table(data: xr.Dataset) -> Table | None:
 
 
 def _trust(data: xr.Dataset) -> str:
-    """What the residual does to the intervals."""
+    """Effect of the residual on the intervals."""
     order, widened = data.attrs["residual_order"], data.attrs["widened"]
     if not data.sizes["parameter"]:
         return "no interval is known: nothing was fitted, the model is compared as it is"
@@ -179,7 +179,7 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
 
 
 def _notes(data: xr.Dataset) -> Iterator[str]:
-    """What was compared with what, and what to do with the numbers."""
+    """Compared quantities, and the use of the numbers."""
     attrs, written = data.attrs, []
     yield (
         f"compared: {attrs['column']!r} of {attrs['record']} with {attrs['quantity']} of the "
@@ -196,7 +196,7 @@ def _notes(data: xr.Dataset) -> Iterator[str]:
 
 
 def _warnings(data: xr.Dataset) -> tuple[str, ...]:
-    """What makes the fit worthless, or is to be known before it is used."""
+    """Warnings on a fit that is worthless, or to be known before it is used."""
     attrs = data.attrs
     if "sample" in data.dims:
         # Frequencies that hardly move with the crank angle have hardly any variance to explain.
@@ -215,7 +215,7 @@ def _warnings(data: xr.Dataset) -> tuple[str, ...]:
 
 
 def _placed(data: xr.Dataset) -> tuple[str, ...]:
-    """Which mode a record without the numbers of its modes was laid beside."""
+    """Mode that a record without numbers of modes was compared with."""
     if not data.attrs["mode_found"]:
         return ()
     return (
@@ -226,7 +226,7 @@ def _placed(data: xr.Dataset) -> tuple[str, ...]:
 
 
 def _unexplained(attrs: Mapping[str, Any]) -> str:
-    """What to look at where most of a record is unexplained."""
+    """Likely causes where most of a record is unexplained."""
     left = f"{100 * attrs['unexplained']:.3g} % of the record remain unexplained"
     turned = attrs.get("turned_unexplained", float("nan"))
     if turned < _TURNED_BETTER * attrs["unexplained"] and "gain" in attrs:

@@ -416,7 +416,7 @@ def _picture_angle(mechanism: Mechanism, angles: FloatArray) -> float:
 
 
 def _of_rubber(links: Sequence[str]) -> str:
-    """What a path is worth whose links are above their glass transition."""
+    """Warning on a path whose links are above their glass transition."""
     named = " and ".join(filter(None, [", ".join(links[:-1]), links[-1]]))
     return (
         f"the resin of {named} is above its wet glass transition, or moister than the rule of that "

@@ -1,4 +1,4 @@
-"""What a frequency map answers: where frequencies lie over the turn, and what moves them.
+"""Answer of a frequency map: ranges of frequencies over the turn, and their changes.
 
 How far two engines' frequencies differ, and whether their errors explain it.
 
@@ -88,7 +88,7 @@ def _at(dataset: xr.Dataset, difference: FloatArray, place: int) -> EngineAgreem
 
 
 def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
-    """That of two engines' frequencies which their errors explain least.
+    """The frequency of two engines that their errors explain least.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
 
 
 def _allowed(dataset: xr.Dataset) -> FloatArray:
-    """What the errors of two engines explain together, shape (speeds, angles, modes).
+    """Difference that the errors of two engines explain, shape (speeds, angles, modes).
 
     Where errors are not small their product counts too.
     """
@@ -421,7 +421,7 @@ def trust(dataset: xr.Dataset) -> str:
 
 
 def disagreement(dataset: xr.Dataset, effect: xr.DataArray | None) -> tuple[str, ...]:
-    """What to do where two engines differ by more than their errors, and no theory says why.
+    """Advice where two engines differ by more than their errors, and no theory says why.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a frequency map says of the damping of its modes: ranges over the turn, and their errors."""
+"""Damping of the modes of a frequency map: ranges over the turn, and their errors."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def headings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 
 def caption(dataset: xr.Dataset) -> str:
-    """What the columns of damping are; empty where there are none."""
+    """Meaning of the columns of damping; empty where there are none."""
     by = {
         "damping_ratio": f"by {dataset.attrs.get('damped_by', 'Kelvin-Voigt')}",
         "strain_energy_damping": "by modal strain energy",

@@ -101,7 +101,7 @@ def _span(values: FloatArray, error: float) -> str:
 
 
 def _numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
-    """What was identified at the first crank angle; its error is the way to the eigen model.
+    """Identified modes at the first crank angle; errors are distances to the eigen model.
 
     Where there is noise, standard errors by it follow.
     """
@@ -173,7 +173,7 @@ def _record_quantities(dataset: xr.Dataset) -> Iterator[Quantity]:
 
 
 def _notes(dataset: xr.Dataset) -> Iterator[str]:
-    """What the records leave out, and what is taken off them."""
+    """Effects that the records leave out, and corrections of them."""
     notes, of = notes_of(__package__), dataset.attrs
     yield notes["linear"]
     yield notes["simulated" if of["simulates"] else "exact"]

@@ -267,7 +267,7 @@ def _extremes_table(data: xr.Dataset, found: _Found) -> Table:
 
 
 def _notes(data: xr.Dataset, found: _Found) -> Aspect:
-    """What the table of extremes does not say: about which point, mean power, lumped masses."""
+    """Remarks beside the table of extremes: moment point, mean power, lumped masses."""
     lines = []
     if "lump" in data.dims:
         lines.append(f"lumped: by {data.sizes['lump']} masses")

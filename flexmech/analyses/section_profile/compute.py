@@ -396,7 +396,7 @@ def expansion_table(profile: xr.Dataset) -> list[Table]:
 
 EXACT = "numbers are exact within the theory of laminated beams; nothing is meshed"
 STATED = "stiffness and mass are those that the model file states"
-"""What there is to say of errors: sections are integrated over their layers in closed form."""
+"""Sentence on errors: sections are integrated over their layers in closed form."""
 
 _SPECIFIC = "specific_damping_bending"
 # Columns of the table: variable, heading, and factor from the SI unit.
@@ -461,7 +461,7 @@ def _have(links: Sequence[str]) -> str:
 
 
 def _on_coupling(data: xr.Dataset, links: Sequence[str]) -> Iterator[str]:
-    """That an unsymmetric stack bends under tension, and what it costs."""
+    """Sentence on an unsymmetric stack that bends under tension, and its cost."""
     coupled = [link for link in links if float(data["neutral_axis"].sel(link=link)[0])]
     for link in coupled if len(coupled) <= _MOST_NAMED else ():
         own = data.sel(link=link)

@@ -133,7 +133,7 @@ def _at_operating_speed(
 
 
 def _missed(data: xr.Dataset, engine: str) -> Iterator[str]:
-    """What the steps in speed may not see."""
+    """Bands that the steps in speed may miss."""
     for step in _greatest_step(data, engine):
         unit = speed_unit(data)
         yield (
@@ -144,7 +144,7 @@ def _missed(data: xr.Dataset, engine: str) -> Iterator[str]:
 
 
 def _about(data: xr.Dataset) -> Iterator[str]:
-    """Which motion vibrations are about, where it is not the one that runs."""
+    """Motion that vibrations are about, where it is not the one that runs."""
     level, distance = data.attrs["prestress"], float(data.attrs["motion_distance"])
     if level == "equilibrium":
         speed = speed_name(data, data["crank_speed"][-1])
@@ -363,7 +363,7 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
 
 
 def _difference(data: xr.Dataset) -> EngineDifference | None:
-    """That of two engines' edges of bands which their errors explain least.
+    """The edge of two engines' bands that their errors explain least.
 
     Not a number where one engine has a band that the other has not; None where there is nothing to
     compare.
@@ -415,7 +415,7 @@ def _verdict(data: xr.Dataset) -> str:
 
 
 def _disagreement(data: xr.Dataset) -> list[str]:
-    """What two engines do not agree on, beyond their errors, where no beam theory says why."""
+    """Difference of two engines beyond their errors, where no beam theory explains it."""
     found = _difference(data)
     explained = theory_reason(data.attrs) or found is None or not found.worth_a_warning
     return [] if explained else [_verdict(data)]

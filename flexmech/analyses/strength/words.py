@@ -62,7 +62,7 @@ def summary_of(data: xr.Dataset) -> Summary:
 
 
 def _answer(data: xr.Dataset, margins: list[Margin]) -> tuple[str, ...]:
-    """Which part fails first, how, where, and by what factors loads and speed may rise."""
+    """The part that fails first, how, where, and the factors by which loads and speed may rise."""
     first, names = margins[0], margin_names(data)
     load = first.load_factor
     if math.isinf(load):
