@@ -59,9 +59,9 @@ def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
         mark = next((m for m in marks if isinstance(m, Typed | Plain | Together)), None)
         if isinstance(mark, Together):
             make = from_options(_handed_on(mark) if isclass(mark.make) else mark.make)
-            own = list(inspect.signature(make).parameters.values())
-            shown += own
-            readers[name] = [each.name for each in own], make
+            parameters = list(inspect.signature(make).parameters.values())
+            shown += parameters
+            readers[name] = [each.name for each in parameters], make
             continue
         kind = get_args(parameter.annotation)[0] if marks else parameter.annotation
         kind = getattr(mark, "kind", None) or kind

@@ -135,13 +135,13 @@ def ranked(dataset: xr.Dataset) -> xr.Dataset:
 
 def output_quantities(design: xr.Dataset, outputs: list[str]) -> tuple[Quantity, ...]:
     """Outputs of one design with their errors, in their printed units."""
-    found = []
+    quantities = []
     for name in outputs:
         unit = design[name].attrs["shown_unit"]
         value = from_si(float(design[name]), unit)
         error = abs(value) * float(design["relative_error"].sel(output=name))
-        found.append(Quantity(name, value, unit, error))
-    return tuple(found)
+        quantities.append(Quantity(name, value, unit, error))
+    return tuple(quantities)
 
 
 def designs_in_words(dataset: xr.Dataset, mechanism: str) -> Table:
@@ -204,7 +204,7 @@ def sweep_study(
         If a worker was killed.
     """
     designs = study.combinations() if samples is None else study.sample(samples)
-    found = evaluate_all(
+    evaluated = evaluate_all(
         study,
         designs,
         executor=executor,
@@ -213,7 +213,7 @@ def sweep_study(
         resume=resume,
         content={"samples": samples},
     )
-    dataset = designs_dataset(study, designs, found)
+    dataset = designs_dataset(study, designs, evaluated)
     errors = table_errors(study, designs, dataset, executor, progress)
     return DesignSweep(dataset.assign(relative_error=errors))
 

@@ -65,10 +65,10 @@ def _parameters(data: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
 def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     """Fitted parameters with half of their 95 % intervals, and what they leave unexplained."""
     fitted = []
-    for kind, link, own in _parameters(data):
-        unit = _unit(own)
-        half = float(own["upper"] - own["lower"]) / 2
-        fitted.append(Quantity(f"fitted_{kind}", float(own["fitted"]), unit, half, link))
+    for kind, link, parameter in _parameters(data):
+        unit = _unit(parameter)
+        half = float(parameter["upper"] - parameter["lower"]) / 2
+        fitted.append(Quantity(f"fitted_{kind}", float(parameter["fitted"]), unit, half, link))
     return (*fitted, Quantity("unexplained", 100 * float(data.attrs["unexplained"]), "%"))
 
 
@@ -81,14 +81,14 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
     """Best values, and the part of the record that stays unexplained."""
     *fitted, unexplained = _numbers(data)
     lines = []
-    for one, (kind, link, own) in zip(fitted, _parameters(data), strict=True):
-        low, high = (f"{float(own[end]):.5g}" for end in ("lower", "upper"))
+    for one, (kind, link, parameter) in zip(fitted, _parameters(data), strict=True):
+        low, high = (f"{float(parameter[end]):.5g}" for end in ("lower", "upper"))
         what, of = kind.replace("_", " "), ""
         if kind == STIFFNESS:
             what, of = f"stiffness of the {link}", " of the model's"
         elif kind == DAMPING:
             what = f"damping time of {f'the {link}' if link else 'the links'}"
-            if not float(own["lower"]) > 0:
+            if not float(parameter["lower"]) > 0:
                 whose = what.removeprefix("damping time ")
                 what = f"record shows no damping {whose}: the damping time that fits best"
         lines.append(f"The {what} is {one}{of} ({low} to {high} with 95 % probability).")
@@ -102,10 +102,10 @@ def _fit_table(data: xr.Dataset) -> Table | None:
     """Fitted parameters with their 95 % intervals; None where nothing was fitted."""
     rows = []
     for name in data["parameter"].values.tolist():
-        own = data.sel(parameter=name)
+        parameter = data.sel(parameter=name)
         keys = ("fitted", "standard_error", "lower", "upper")
-        value, error, lower, upper = (f"{float(own[key]):.5g}" for key in keys)
-        rows.append((name, value, _unit(own) or "-", error, f"{lower} to {upper}"))
+        value, error, lower, upper = (f"{float(parameter[key]):.5g}" for key in keys)
+        rows.append((name, value, _unit(parameter) or "-", error, f"{lower} to {upper}"))
     headings = ("parameter", "value", "unit", "std. error", "95 % interval")
     title = f"fitted to {data.attrs['record']}, {data.attrs['mechanism']}"
     return Table(title, headings, (tuple(rows),)) if rows else None
@@ -160,11 +160,11 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
         angle = DEGREES * float(attrs["crank_angle_locked"])
         yield Quantity("locked crank angle", angle, "deg")
     hertz = float(attrs["first_frequency"])
-    for kind, link, own in _parameters(data):
+    for kind, link, parameter in _parameters(data):
         if kind == DAMPING:
             ratio, half = (
                 100 * np.pi * hertz * float(value)
-                for value in (own["fitted"], (own["upper"] - own["lower"]) / 2)
+                for value in (parameter["fitted"], (parameter["upper"] - parameter["lower"]) / 2)
             )
             of = f"{f'{link}, ' if link else ''}{hertz:.4g} Hz"
             yield Quantity("damping ratio of the first mode", ratio, "%", half, of)
@@ -185,8 +185,8 @@ def _notes(data: xr.Dataset) -> Iterator[str]:
         f"compared: {attrs['column']!r} of {attrs['record']} with {attrs['quantity']} of the "
         f"{attrs['engine']} engine ({attrs['element']})"
     )
-    for kind, link, own in _parameters(data):
-        value = float(own["fitted"])
+    for kind, link, parameter in _parameters(data):
+        value = float(parameter["fitted"])
         if kind == DAMPING and value > 0:
             written.append(f'damping_time = "{value:.4g} s" of {link or "each link"}')
         elif kind == STIFFNESS:
@@ -247,15 +247,15 @@ def _unexplained(attrs: Mapping[str, Any]) -> str:
 
 def _odd_values(data: xr.Dataset) -> Iterator[str]:
     """Fitted values that fit well and that no linkage or calibration has."""
-    for kind, link, own in _parameters(data):
-        value = float(own["fitted"])
+    for kind, link, parameter in _parameters(data):
+        value = float(parameter["fitted"])
         if kind == GAIN and not 1 / _CALIBRATION < value < _CALIBRATION:
             check = "the gauge or the hammer is turned around" if value < 0 else "check the units"
             yield (
                 f"a gain of {value:.4g} is no calibration: {check} (damping and stiffness do not "
                 "depend on it)"
             )
-        if kind == DAMPING and float(own["upper"]) < 0:
+        if kind == DAMPING and float(parameter["upper"]) < 0:
             yield (
                 f"the record grows where {f'{kind}:{link}' if link else kind} is to make it decay, "
                 "which no material does: check the order of its samples, or the sign of its "
