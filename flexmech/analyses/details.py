@@ -117,25 +117,3 @@ def ranges_text(ranges: Sequence[Range], unit: str) -> str:
     texts = ([speed_text(speed, unit) for speed in dict.fromkeys(ends)] for ends in ranges)
     said = (f"{'from' if ends[1:] else 'at'} {' to '.join(ends)}" for ends in texts)
     return f"{' and '.join(said)} {unit}"
-
-
-def operating_speeds(dataset: xr.Dataset) -> list[float]:
-    """Operating speeds of the model file between the ends of a map over crank speeds, in rad/s."""
-    named = [float(speed) for speed in str(dataset.attrs.get("operating_speeds", "")).split()]
-    low, high = dataset["crank_speed"].values[[0, -1]].tolist()
-    return [speed for speed in named if lies_in(dataset, [(low, high)], speed)]
-
-
-def lies_in(dataset: xr.Dataset, ranges: Sequence[Range], speed: float) -> bool:
-    """Whether a crank speed in rad/s lies in ranges of a map over crank speeds.
-
-    A speed that went through another unit may be off by its last digits.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-    ranges : sequence of tuple of float
-    speed : float
-    """
-    slack = 1e-9 * float(np.abs(dataset["crank_speed"].values).max())
-    return any(min(ends) - slack <= speed <= max(ends) + slack for ends in ranges)

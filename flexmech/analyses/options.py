@@ -48,8 +48,11 @@ if TYPE_CHECKING:
     from flexmech.measured_data import MeasuredRecord
     from flexmech.mechanics import LinkPoint, RotationTerms
     from flexmech.modal_testing import IdentificationMethod
+    from flexmech.modelfile import CatalogueMotor
 else:  # Their rooms are imported where an analysis computes.
-    ArrayLike = CouplerPoint = Drive = Environment = FloatArray = IdentificationMethod = Any
+    ArrayLike = CatalogueMotor = CouplerPoint = Drive = Environment = FloatArray = (
+        IdentificationMethod
+    ) = Any
     LabelledProgress = LinkPoint = MeasuredRecord = MotorDrive = RotationTerms = Shaping = Any
 
 EVERY_DEGREE = partial(typed.radians, "0:360:1")
@@ -335,6 +338,12 @@ class KinematicsOptions(MomentPointOptions, SpeedUnitOptions):
         In rad/s^2, alpha2 of Kumar & Chandrakar's eqs. 1.35 to 1.40. At each crank angle
         the crank has the speed and this acceleration: these are states, and not one run through
         all angles.
+    motors : sequence of CatalogueMotor, str or path-like, optional
+        Catalogue of motors, a CSV file, each of which is judged by the torque over speed that the
+        linkage needs.
+
+        :func:`flexmech.modelfile.motor_catalogue` reads it. Not under a motor, at rest or with an
+        acceleration of the crank.
     """
 
     speed: Annotated[float | Drive | MotorDrive | None, typed.speed(DRIVE_OR_REST, turns=False)] = (
@@ -344,6 +353,7 @@ class KinematicsOptions(MomentPointOptions, SpeedUnitOptions):
     crank_angles: Annotated[FloatArray, typed.ANGLES] = field(default_factory=EVERY_DEGREE)
     lumped: Annotated[Sequence[int] | None, typed.LUMPED] = None
     crank_acceleration: Annotated[float, typed.CRANK_ACCELERATION] = 0.0
+    motors: Annotated[Sequence[CatalogueMotor] | str | PathLike[str] | None, typed.MOTORS] = None
 
 
 @dataclass(frozen=True)
@@ -397,8 +407,9 @@ class StrengthOptions(EngineOptions, EnvironmentOptions, SpeedUnitOptions, Progr
 class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
     """Counterweights against the shaking force, and their cost.
 
-    On crank and follower of a four-bar, for a full balance of the shaking force or a compromise;
-    on the crank of a slider-crank. Writes the balanced model file too, as balanced.toml.
+    On crank and follower of a four-bar, for a compromise between shaking force, shaking moment and
+    driving torque, beside the full balance of the force as its limit; on the crank of a
+    slider-crank. Writes the balanced model file too, as balanced.toml.
 
     Parameters
     ----------
@@ -407,11 +418,13 @@ class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
 
         In ``speed_unit``, other than zero.
     weights : sequence of float, optional
-        Weights of shaking force, shaking moment and driving torque in a compromise. Left out: full
-        force balance of a four-bar, --share of a slider-crank.
+        Weights of shaking force, shaking moment and driving torque in a compromise. Left out: equal
+        ones for a four-bar, --share for a slider-crank.
 
         The sum of their mean squares over the crank angles, each over that of the linkage as
         given, is made least.
+    full : bool
+        Balance the whole shaking force of a four-bar, whatever moment and torque become.
     radii : float or sequence of float, optional
         Distance of the counterweights from the joints about which crank and follower rotate. Left
         out: half of each link's length.
@@ -436,6 +449,7 @@ class BalanceOptions(MomentPointOptions, SpeedUnitOptions, ProgressOptions):
     speed: Annotated[float | None, typed.speed(GREATEST, turns=True)] = None
     _: KW_ONLY
     weights: Annotated[Sequence[float] | None, typed.WEIGHTS] = None
+    full: Annotated[bool, typed.Plain("--full")] = False
     radii: Annotated[float | Sequence[float] | None, typed.RADIUS] = None
     share: Annotated[float, typed.SHARE] = 0.5
     crank_angles: Annotated[FloatArray, typed.ANGLES] = field(default_factory=EVERY_DEGREE)
@@ -969,7 +983,10 @@ class ReportOptions(MeshOptions):
         None keeps the engines' elements.
     environment : HygrothermalState or Exposure, optional
         Heat and moisture: frequencies, responses and coupler curve are computed dry and in it,
-        Campbell diagram and sections in it.
+        Campbell diagram, sections and strength in it.
+    brief : bool
+        One screen and one sheet of A4: the moving linkage, deflection at the tool, stress and
+        safety factor, torque, bearing loads, speeds to avoid and mass.
     """
 
     crank_speeds: Annotated[
@@ -980,3 +997,4 @@ class ReportOptions(MeshOptions):
     include: Annotated[tuple[choices.ReportPart, ...] | None, typed.INCLUDE] = None
     campbell_speeds: Annotated[ArrayLike | None, typed.CAMPBELL_SPEEDS] = None
     tolerance: Annotated[float | None, typed.Plain("--tolerance")] = choices.TOLERANCE
+    brief: Annotated[bool, typed.Plain("--brief")] = False

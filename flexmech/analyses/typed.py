@@ -209,6 +209,12 @@ def _each(read: Callable[[str], float]) -> Callable[[str], tuple[float, ...]]:
     return lambda text: tuple(read(part) for part in text.split(","))
 
 
+def _file(text: str) -> str:
+    if not text:
+        raise InputError("it is empty; name a file")
+    return text
+
+
 def _place(text: str) -> tuple[float, ...]:
     if len(place := _LENGTHS(text)) != 2:
         raise InputError(f'got {text!r}; give x and y in ground axes, as in "127 mm,0 mm"')
@@ -314,6 +320,7 @@ FORMATS = Typed("--format", lambda text: known_words(text, PICTURE_FORMATS, *_PI
 INCLUDE = Typed(
     "--include", lambda text: known_words(text, REPORT_PARTS, "part of a report"), "LIST"
 )
+MOTORS = Typed("--motors", _file, "FILE")
 FIT = Typed("--fit", lambda text: tuple(name.strip() for name in text.split(",")), "LIST")
 
 BANDWIDTH = _positive("--bandwidth", units.FREQUENCY, "Hz", "HZ")

@@ -142,7 +142,7 @@ def report(
         if not out.parent.is_dir():
             raise InputError(f"{out}: there is no folder {out.parent}; make it first")
         check_writable(out.parent, [out.name])
-    source, speeds = given_path(model), Speeds(())
+    source, speeds, brief = given_path(model), Speeds(()), keywords["brief"]
     with progress_bar() as progress, telling(model, (keywords["crank_speeds"] or speeds).unit):
         if source.is_dir():
             if any(keywords[name] is not None for name in _COMPUTED):
@@ -165,10 +165,10 @@ def report(
             reported_as_damaged(source) if source.is_dir() else telling(None, speeds.unit),
             naming("--out"),
         ):
-            write_report(results.all, out, command_line=command_line())
+            write_report(results, out, brief=brief, command_line=command_line())
     size = f"{out.stat().st_size / 1e6:.1f} MB"
     lines = [f"file: {one_line(str(out))} ({size}), open it in a browser"]
-    say(report_summary(results), [out], lines, [speeds.remark], printing)
+    say(report_summary(results, brief=brief), [out], lines, [speeds.remark], printing)
 
 
 def verify(

@@ -348,9 +348,7 @@ class LinkForces:
     start_moment : ndarray, shape (..., n_links)
         Sum of joint couples on the start of each link, N m.
     applied : tuple of ForceOnLink
-        Loads and forces of springs.
-    on_guides : tuple of ForceOnLink
-        Forces of sliders on their guides.
+        Loads, forces of springs, and those of sliders on their guides.
     """
 
     motion: RigidMotion
@@ -359,7 +357,6 @@ class LinkForces:
     start_force: FloatArray
     start_moment: FloatArray
     applied: tuple[ForceOnLink, ...]
-    on_guides: tuple[ForceOnLink, ...]
 
     def axial_force(self, link: int, x: float | FloatArray) -> FloatArray:
         """Tension along a link in N.
@@ -426,7 +423,7 @@ class LinkForces:
         )
         force = force - at_cuts(back * _complex(self.start_force[..., link, :]))
         moment = moment - at_cuts(self.start_moment[..., link])
-        for one in (*self.applied, *self.on_guides):
+        for one in self.applied:
             if one.link == link:
                 passed = at_cuts(np.broadcast_to(one.x, back.shape)) < place
                 force = force - passed * at_cuts(back * _complex(one.force))
@@ -483,7 +480,7 @@ class InverseDynamics(LinkForces):
 
     Parameters
     ----------
-    motion, masses, gravity, start_force, start_moment, applied, on_guides
+    motion, masses, gravity, start_force, start_moment, applied
         As in :class:`LinkForces`.
     joint_force : dict of str to ndarray, shape (..., 2)
         Force on the grounded or following link at each joint, ground axes, N. A slider's is
@@ -577,8 +574,7 @@ def inverse_dynamics(
         gravity=gravity,
         start_force=start_force,
         start_moment=start_moment,
-        applied=applied,
-        on_guides=on_guides,
+        applied=(*applied, *on_guides),
         joint_force=joint_force,
         joint_moment=joint_moment,
         driving_torque=_driving_torque(topology, motion, joint_force, joint_moment),
@@ -654,9 +650,8 @@ def forces_by_joints(
     start_force, start_moment, on_guides = _on_links(
         topology, motion, vectors, np.broadcast_to(couples, vectors.shape[:-1])
     )
-    return LinkForces(
-        motion, tuple(masses), gravity, start_force, start_moment, tuple(applied), on_guides
-    )
+    acting = (*applied, *on_guides)
+    return LinkForces(motion, tuple(masses), gravity, start_force, start_moment, acting)
 
 
 def _driving_torque(

@@ -52,7 +52,6 @@ from flexmech.mechanics.links.link_model import (
 from flexmech.mechanics.links.link_readings import LinkReadings, LinkStretch
 from flexmech.mechanics.links.rigid_body import RigidBody, body_nodes
 from flexmech.mechanics.links.rotation_terms import RotationTerms, SystemMatrices
-from flexmech.mechanics.links.unreduced_links import LinkPencil, StaticResponse
 from flexmech.mechanics.loads.attached_points import (
     AttachedPoint,
     LinkPoint,
@@ -109,7 +108,6 @@ __all__ = [
     "LinkFrames",
     "LinkInertia",
     "LinkModel",
-    "LinkPencil",
     "LinkPoint",
     "LinkReadings",
     "LinkStretch",
@@ -122,7 +120,6 @@ __all__ = [
     "RigidBody",
     "RigidFields",
     "RotationTerms",
-    "StaticResponse",
     "StressedLinks",
     "SystemMatrices",
     "TheoryComparison",

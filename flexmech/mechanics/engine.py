@@ -451,13 +451,14 @@ class Engine(EngineParameters):
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""
-        loads, frames = self._loads(motion), self.rigid_joint_frames
+        loads, frames, connectors = self._loads(motion), self.rigid_joint_frames, self.connectors
+        virial = connectors.virial(motion)
+        dead = DeadMoments.of(self.clamped_links, motion, self.mechanism.gravity, loads, virial)
         forces, of_rigid = straight_forces(
-            self.mechanism, frames, motion, loads, self._lumped, self.connectors
+            self.mechanism, frames, motion, loads, dead, connectors, self._lumped
         )
-        tangents = self._dead(motion, loads).add_stiffness(
-            self._tensioned(motion, forces), [np.zeros_like(load.T) for load in loads]
-        )
+        straight = [np.zeros_like(load.T) for load in loads]
+        tangents = dead.add_stiffness(self._tensioned(motion, forces), straight)
         return with_rigid_links(frames, tangents, of_rigid)
 
     @abstractmethod

@@ -6,9 +6,9 @@ forces, and the inertia forces of links that rotate as one body
 given forces. The loads are those at that displacement, found by Newton's method: the links' tangent
 stiffness predicts the next displacement, and the forces there are the next load.
 
-Where pins alone join straight links, their forces are those of the rigid linkage. Welds may make a
-linkage statically indeterminate: then they are those of the linear static solution. Joint forces on
-rigid links, as dead loads, are a geometric stiffness against rotation.
+Forces in straight links are those of their linear static solution: where pins alone join them,
+those of the rigid linkage. Joint forces on rigid links, as dead loads, are a geometric stiffness
+against rotation.
 """
 
 from __future__ import annotations
@@ -244,18 +244,14 @@ def refuse_large_displacements(
         )
 
 
-def ties_beyond_pins(frames: LinkFrames) -> bool:
-    """Whether there are welds, lines, rigid links or a hub, so that pins do not tell all forces."""
-    return bool(frames.topology.welds or frames.has_arms)
-
-
 def straight_forces(
     mechanism: Mechanism,
     frames: LinkFrames,
     motion: RigidMotion,
     loads: list[FloatArray],
-    lumped: Sequence[int] | None = None,
-    connectors: Connectors | None = None,
+    dead: DeadMoments,
+    connectors: Connectors,
+    lumped: Sequence[int] | None,
 ) -> tuple[LinkForces, RigidGeometricStiffness | None]:
     """Forces in straight links under loads, from their linear static displacement.
 
@@ -267,10 +263,13 @@ def straight_forces(
     motion : RigidMotion
         Batch of shape (B,).
     loads : list of ndarray, shape (B, n_link)
-    lumped : sequence of int, optional
-        Number of elements of each link whose mass is lumped at their ends.
-    connectors : Connectors, optional
+    dead : DeadMoments
+        Moments of these loads.
+    connectors : Connectors
         Loads and springs among the loads.
+    lumped : sequence of int, or None
+        Number of elements of each link whose mass is lumped at their ends; None of distributed
+        mass.
 
     Returns
     -------
@@ -279,9 +278,6 @@ def straight_forces(
     RigidGeometricStiffness or None
         Stiffness of rigid links, hubs and sliders; None where there are none.
     """
-    if not ties_beyond_pins(frames):
-        still = mechanism.without_loads_over_time
-        return still.inverse_dynamics(motion, lumped=lumped), None
     elastic = [link.stiffness for link in frames.links]
     matrices = frames.assemble(motion, elastic, FROZEN)
     moved = np.linalg.solve(matrices.stiffness, frames.gather(motion, loads)[..., None])
@@ -299,13 +295,11 @@ def straight_forces(
     masses = mechanism.link_masses_in_order
     if lumped is not None:
         masses = tuple(mass.lumped(n) for mass, n in zip(masses, lumped, strict=True))
-    applied = () if connectors is None else tuple(connectors.applied(motion))
-    forces = LinkForces(motion, masses, mechanism.gravity, force, moment, (), applied)
+    applied = tuple(connectors.applied(motion))
+    forces = LinkForces(motion, masses, mechanism.gravity, force, moment, applied)
     if not frames.has_arms:
         return forces, None
-    virial = None if connectors is None else connectors.virial(motion)
     straight = np.zeros((len(motion.angle), len(frames.rigid.independent_coordinates)))
-    dead = DeadMoments.of(frames.links, motion, mechanism.gravity, loads, virial)
     rotation_stiffness = dead.by_link([np.zeros_like(load.T) for load in loads])
     ties = frames.displaced_ties(motion, straight)
     return forces, ties.geometric_stiffness(unbalanced, rotation_stiffness)

@@ -64,12 +64,13 @@ def drawn_parts(mechanism: _Shown) -> dict[str, Any]:
     -------
     dict
         Entries of :func:`flexmech.linkages.positions.drawn_joints`, and ``masses`` (``at``,
-        ``kg``), ``bodies`` (``at``, ``offset`` in m, ``kg``), ``springs`` (``name``, ``ends``,
-        whether ``stiff`` and ``damped``), ``joint_springs`` (``joint``, whether ``torsional``,
-        ``radial``, ``torsion_damped`` and ``radially_damped``), ``loads`` (``name``, ``at``,
-        ``axes``, ``over``, ``force`` in N and ``torque`` in N m where they are largest) and
-        ``gravity`` (x and y, in m/s^2). A place ``at`` is the number of a link and how far along it
-        from 0 to 1; the end of a spring on the ground is ``ground``, x and y in m.
+        ``kg``), ``bodies`` (``at``, ``offset`` and ``outline`` from there in m, ``kg``),
+        ``springs`` (``name``, ``ends``, whether ``stiff`` and ``damped``), ``joint_springs``
+        (``joint``, whether ``torsional``, ``radial``, ``torsion_damped`` and ``radially_damped``),
+        ``loads`` (``name``, ``at``, ``axes``, ``over``, ``force`` in N and ``torque`` in N m where
+        they are largest) and ``gravity`` (x and y, in m/s^2). A place ``at`` is the number of a
+        link and how far along it from 0 to 1; the end of a spring on the ground is ``ground``, x
+        and y in m.
     """
     topology = mechanism.linkage.topology
 
@@ -92,7 +93,12 @@ def drawn_parts(mechanism: _Shown) -> dict[str, Any]:
     return parts | {
         "masses": masses,
         "bodies": [
-            {"at": at(body.link, body.position), "offset": list(body.offset), "kg": body.mass}
+            {
+                "at": at(body.link, body.position),
+                "offset": list(body.offset),
+                "outline": [[x - body.position, y] for x, y in body.outline],
+                "kg": body.mass,
+            }
             for body in mechanism.bodies
         ],
         "springs": [

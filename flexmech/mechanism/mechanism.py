@@ -316,10 +316,13 @@ class Mechanism:
         """:meth:`link_mass` of every link of the topology."""
         return tuple(self.link_mass(name) for name in self.linkage.topology.link_names)
 
+    @property
+    def total_mass(self) -> float:
+        """Mass in kg of all links, with the point masses along them and at their joints."""
+        return sum(link.moment(0) for link in self.link_masses_in_order)
+
     def described(self) -> list[str]:
         """Masses, bodies, loads, gravity, operating speeds and coupler point, a line each."""
-        # Links with the point masses along them and at their joints.
-        total = sum(link.moment(0) for link in self.link_masses_in_order)
         x, y = self.gravity
         speeds = ", ".join(f"{from_si(w, self.speed_unit):.6g}" for w in self.operating_speeds)
         inertia = self.shaft_inertia
@@ -331,7 +334,7 @@ class Mechanism:
         lines = [
             *part_lines(*(getattr(self, name) for name in ("joint_masses", *PARTS))),
             *(f"{kind}: {words}" for kind, words in turning.items() if words),
-            f"total mass: {1e3 * total:.6g} g",
+            f"total mass: {1e3 * self.total_mass:.6g} g",
             f"gravity: ({x:g}, {y:g}) m/s^2",
             f"operating speeds: {f'{speeds} {self.speed_unit}' if speeds else 'none stated'}",
         ]

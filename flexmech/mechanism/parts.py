@@ -73,6 +73,9 @@ class AttachedBody:
     offset : tuple of float
         From the axis of the link at the position to its centre of mass in m, along and across the
         link, to the left positive.
+    outline : tuple of tuple of float
+        Corners in m, along and across the link from its first joint, that pictures show. Nothing
+        is computed from them, and model files that are written leave them out.
 
     Raises
     ------
@@ -90,6 +93,7 @@ class AttachedBody:
     mass: si.Mass = 0.0
     inertia: si.Inertia = 0.0
     offset: tuple[si.Distance, si.Distance] = (0.0, 0.0)
+    outline: tuple[tuple[float, float], ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         si.check(self, f"body on the {self.link}: {{}}")

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from flexmech.errors import InputError
 from flexmech.linkages import (
     GROUND,
     AttachmentPoint,
+    CouplerPoint,
+    FourBar,
     JointSpring,
     Load,
+    PlanarLinkage,
     Spring,
     Topology,
     picture_crank_angle,
@@ -23,11 +28,15 @@ from flexmech.modelfile.attachment_tables import LoadTable, PlaceTable
 from flexmech.modelfile.csv_files import check_rows, csv_lines
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.link_places import LinkPlaces
-from flexmech.modelfile.link_tables import RigidLinkTable
+from flexmech.modelfile.link_tables import PlateTable, RigidLinkTable
 from flexmech.modelfile.linkage_tables import PlanarTable
-from flexmech.modelfile.messages import Findings
+from flexmech.modelfile.messages import Findings, known_name
 from flexmech.plausible import LOAD, Plausible, check_plausible, of_dimension
 from flexmech.units import ANGLE, FORCE, TIME, TORQUE, Dimension, parse_quantity
+
+# Area of a plate over the square of its longest side, below which its corners are on a line.
+_FLAT = 1e-6
+Corners = tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
 
 
 def point_masses(
@@ -82,7 +91,19 @@ def attached_bodies(
                 place = places.place(link, middle if table.centre is None else table.centre)
                 bodies.append(AttachedBody(place.link, place.x, table.mass, table.inertia))
         for number, body in enumerate(table.bodies if table is not None else []):
-            with findings.at(f"links.{link}.bodies[{number}].position"):
+            key = f"links.{link}.bodies[{number}]"
+            if isinstance(body, PlateTable):
+                if body.material is not None and not findings.none_at(
+                    f"{key}.material",
+                    partial(known_name, "materials", body.material, list(tables.materials)),
+                ):
+                    continue
+                with findings.at(f"{key}.corners"):
+                    corners = _checked_corners(body, link, tables, places)
+                    with findings.at(f"{key}.position"):
+                        bodies.append(_plates_body(body, corners, link, tables, places))
+                continue
+            with findings.at(f"{key}.position"):
                 place = places.place(link, body.position, body.beam)
                 bodies.append(body.made(AttachedBody, link=place.link, position=place.x))
     for joint in tables.joints.values():
@@ -90,6 +111,63 @@ def attached_bodies(
             guide = places.beams[joint.guide][0]
             bodies.append(AttachedBody(guide.name, 0.0, inertia=joint.inertia))
     return tuple(bodies)
+
+
+def _plates_body(
+    table: PlateTable, corners: Corners, link: str, tables: ModelFile, places: LinkPlaces
+) -> AttachedBody:
+    """The body of a plate, whose centre is the mean of the corners of its triangle.
+
+    About it the moment of inertia is the mass times the sum of the squared sides over 36.
+    """
+    beam, mass = places.beams[link][0], table.mass
+    if mass is None:
+        assert table.material is not None
+        assert table.thickness is not None
+        density = tables.materials[table.material].material.density
+        mass = density * _area(corners) * table.thickness
+    x, y = (sum(parts) / 3 for parts in zip(*corners, strict=True))
+    foot = min(max(x, 0.0), beam.length)
+    if table.position is not None:
+        foot = places.place(beam.name, table.position).x
+    squares = sum(math.dist(*side) ** 2 for side in itertools.combinations(corners, 2))
+    return AttachedBody(beam.name, foot, mass, mass * squares / 36, (x - foot, y), corners)
+
+
+def _area(corners: Corners) -> float:
+    (x, y), *others = corners
+    (along, across), (further, beside) = ((one - x, other - y) for one, other in others)
+    return abs(along * beside - across * further) / 2
+
+
+def _checked_corners(
+    table: PlateTable, link: str, tables: ModelFile, places: LinkPlaces
+) -> Corners:
+    """Corners of a plate in the axes of the link's first beam; refuses those on one line."""
+    corners = table.corners or _corners(link, tables, places)
+    longest = max(math.dist(*side) for side in itertools.combinations(corners, 2))
+    if _area(corners) <= _FLAT * longest**2:
+        raise InputError("they stand on one line; give three that span a triangle")
+    return corners
+
+
+def _corners(link: str, tables: ModelFile, places: LinkPlaces) -> Corners:
+    """Corners of a plate that a file leaves out, in the axes of the link's first beam."""
+    linkage, beam = places.linkage, places.beams[link][0]
+    point = getattr(tables.linkage, "coupler_point", None)
+    if isinstance(linkage, FourBar) and link == "coupler" and point is not None:
+        x, y = point.made(CouplerPoint).place.tolist()
+        return (0.0, 0.0), (beam.length, 0.0), (x, y)
+    if isinstance(linkage, PlanarLinkage):
+        names = next(own.points for own in linkage.links if own.name == link)
+        first, second, *others = (complex(*linkage.points[name]) for name in names)
+        if len(others) == 1:
+            third = (others[0] - first) * beam.length / (second - first)
+            return (0.0, 0.0), (beam.length, 0.0), (third.real, third.imag)
+    raise InputError(
+        "is missing; add the plate's three corners along and across the link, for example "
+        'corners = [["0 mm", "0 mm"], ["80 mm", "0 mm"], ["40 mm", "30 mm"]]'
+    )
 
 
 def joint_springs(

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Set
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from flexmech import si
 from flexmech.errors import InputError
@@ -41,6 +41,44 @@ class BodyTable(base.RecordTable, of=AttachedBody):
         return self
 
 
+Corner = tuple[si.Distance, si.Distance]
+
+
+class PlateTable(base.Table):
+    """A rigid plate that is fixed to a section of a link: a body with the mass of its shape."""
+
+    shape: Literal["triangle"] = Field(description="Of a plate of even thickness")
+    corners: tuple[Corner, Corner, Corner] | None = base.optional(
+        "Of the plate, along and across the link from its first joint; left out: those of the "
+        "coupler and its coupler_point, or the three points of a link of a planar linkage"
+    )
+    position: si.LengthOrZero | None = base.optional(
+        "Distance from the link's first joint of the section that carries it; opposite to its "
+        "centre of mass if left out"
+    )
+    mass: si.BodyMass | None = base.optional("Of the plate; or material and thickness")
+    material: base.Text | None = base.optional("With thickness: name of a table under [materials]")
+    thickness: si.Width | None = base.optional("With material: along the joint axes")
+
+    @model_validator(mode="after")
+    def _has_a_mass(self) -> PlateTable:
+        stated = {key for key in ("mass", "material", "thickness") if getattr(self, key)}
+        if stated not in ({"mass"}, {"material", "thickness"}):
+            raise InputError("give either mass, or material and thickness, of the plate")
+        return self
+
+
+def _kind_of_body(value: Any) -> str:
+    plate = isinstance(value, PlateTable) or (isinstance(value, Mapping) and "shape" in value)
+    return "plate" if plate else "body"
+
+
+AnyBodyTable = Annotated[
+    Annotated[BodyTable, Tag("body")] | Annotated[PlateTable, Tag("plate")],
+    Discriminator(_kind_of_body),
+]
+
+
 class AnyLinkTable(base.DampedTable, WettedTable):
     """What all links have in common."""
 
@@ -58,7 +96,7 @@ class AnyLinkTable(base.DampedTable, WettedTable):
         "Planar linkages: whether it has mass but does not bend", False
     )
     point_masses: list[PointMassTable] = Field(default_factory=list)
-    bodies: list[BodyTable] = Field(
+    bodies: list[AnyBodyTable] = Field(
         default_factory=list, description="Rigid bodies that are fixed to it"
     )
 

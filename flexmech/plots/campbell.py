@@ -36,6 +36,7 @@ CRITICAL: Look = {"color": "0.1", "lw": 1.8, "solid_capstyle": "round", "zorder"
 # A speed without width, where a band has none.
 POINT: Look = {"color": "0.1", "marker": "o", "ms": 3.2, "ls": "", "zorder": 4}
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.75", "hatch": "////", "lw": 0, "zorder": 0}
+OPERATING: Look = {"color": style.MID_GREY, "lw": 1.0, "ls": ":", "zorder": 2}
 OTHER_ENGINE: Look = {"color": "0.25", "lw": 0.7, "ls": (0.0, (4.0, 2.0)), "zorder": 3}
 # Least distance of two labels of orders in inches: up by their height, or across by their letters.
 APART_UP, APART_LETTER = 0.13, 0.075
@@ -50,9 +51,10 @@ def plot_campbell(dataset: xr.Dataset) -> Picture:
 
     Filled is a branch from its lowest to its highest frequency over the crank angles; the line in
     it is the mean. Grey rays are the orders, multiples of the crank's turns per second; the dark
-    part of a ray is inside a band: these are critical speeds. Hatched are speeds without a result.
-    Further engines are dashed lines at the bands' ends and means. The axis of frequencies ends
-    above the lowest band that no order reaches: those beyond it are named in the heading.
+    part of a ray is inside a band: these are critical speeds. Hatched are speeds without a
+    result. Bands and means of further engines are dashed lines. Dotted lines
+    are the operating speeds of the model file. Bands that no order reaches are named in the
+    heading, and are left out above the axis; where orders reach none, the lowest is drawn.
 
     Parameters
     ----------
@@ -70,7 +72,7 @@ def plot_campbell(dataset: xr.Dataset) -> Picture:
     pane = Pane(
         "Natural frequency (Hz)",
         (*_bands_of(dataset, shown), *_rays(dataset, top), *_critical(dataset)),
-        spans=_gaps(dataset),
+        spans=(*_gaps(dataset), *_operating_speeds(dataset)),
         limits=(0.0, top),
         height=1.25 * BANDS_HEIGHT / PANE_HEIGHT,
     )
@@ -82,20 +84,18 @@ def plot_campbell(dataset: xr.Dataset) -> Picture:
 
 
 def _shown_branches(dataset: xr.Dataset) -> list[int]:
-    """Branches that orders reach, and the lowest that none reaches with those that it overlaps."""
-    over, found = ("engine", "crank_speed"), list[int]()
+    """Branches that orders reach, or else the lowest, and those that overlap them."""
+    over = ("engine", "crank_speed")
     lowest = dataset["lowest_frequency"].min(over).fillna(np.inf).values
     highest = dataset["highest_frequency"].max(over).fillna(0.0).values
     fastest = float(np.abs(dataset["crank_speed"].values).max()) / (2 * np.pi)
-    reach, top = fastest * dataset["order"].values.max(initial=0), np.inf
-    for place in np.argsort(lowest, kind="stable").tolist():
-        if lowest[place] > top:
-            break
-        found.append(place)
-        if lowest[place] > reach:
-            # The axis ends above this one, which others may overlap.
-            top = ROOM * float(highest[found].max())
-    return [int(branch) for branch in dataset["branch"].values[sorted(found)]]
+    upper_end = max(fastest * dataset["order"].values.max(initial=0), lowest.min())
+    shown = np.zeros(len(lowest), dtype=bool)
+    for branch in np.argsort(lowest, kind="stable").tolist():
+        if lowest[branch] <= upper_end:
+            shown[branch] = True
+            upper_end = max(upper_end, ROOM * float(highest[branch]))
+    return [int(branch) for branch in dataset["branch"].values[shown]]
 
 
 def _left_out(dataset: xr.Dataset, shown: list[int]) -> str:
@@ -199,6 +199,13 @@ def _critical(dataset: xr.Dataset) -> list[Curve]:
         )
         for _, ends, ray in critical_stretches(dataset)
     ]
+
+
+def _operating_speeds(dataset: xr.Dataset) -> tuple[Span, ...]:
+    """Operating speeds of the model file within the diagram."""
+    factor = from_si(1.0, reading.speed_unit(dataset))
+    places = [factor * speed for speed in reading.operating_speeds(dataset)]
+    return tuple(Span(at, at, OPERATING, "operating speed", upright=True) for at in places)
 
 
 def _gaps(dataset: xr.Dataset) -> tuple[Span, ...]:

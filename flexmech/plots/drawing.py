@@ -246,6 +246,10 @@ def draw_pane(axes: Axes, pane: Pane) -> None:
     _label_ends(axes, pane)
     if pane.label:
         axes.set_ylabel(pane.label)
+    if pane.right:
+        factor = pane.right.factor
+        there_and_back = (lambda value: factor * value, lambda value: value / factor)
+        axes.secondary_yaxis("right", functions=there_and_back).set_ylabel(pane.right.label)
 
 
 def _label_ends(axes: Axes, pane: Pane) -> None:

@@ -5,7 +5,7 @@ The drive is a law of motion, with the vibration after its stop, or a motor.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
@@ -27,6 +27,7 @@ from flexmech.plots.picture import (
     Note,
     Pane,
     Picture,
+    SecondAxis,
     Span,
     by_engine,
     over_angles,
@@ -58,6 +59,11 @@ HEIGHT, HEIGHT_OF_THREE = 3.6, 2.45
 CLOSE_UP_ROOM = 1.5
 # Above this extent in m a picture is in m, below it in mm, whose numbers have four digits at most.
 METRES = 10.0
+# Round-off of an angular velocity that does not change, over the greatest one.
+STEADY = 1e-9
+# Between dots on a path, in degrees of the crank.
+DOTS_APART = 30.0
+DOT: style.Look = {"color": "0.2", "ls": "", "marker": "o", "ms": 2.6, "zorder": 3}
 MARKS = {"crunode": "o", "cusp": "^"}
 # Variables of a dataset of paths that are places in m; height of a path on a page over others.
 _PLACES, PAGE_HEIGHT = ("position", "pin_position", "close_up", "framed"), 2.4
@@ -67,7 +73,7 @@ NAME_OVER = 0.03
 
 @figure
 def plot_kinematics(dataset: xr.Dataset) -> Picture:
-    """Draw angle, angular velocity and angular acceleration of each link.
+    """Draw angle, angular velocity and angular acceleration of the links but a steady crank's.
 
     Parameters
     ----------
@@ -82,11 +88,20 @@ def plot_kinematics(dataset: xr.Dataset) -> Picture:
     Figure
     """
     over, (dataset, angles) = dataset, positions(dataset)
-    panes = []
+    links, panes = reading.names_of(dataset, "link"), list[Pane]()
+    # The angle of a crank at constant speed is the axis along x.
+    speed, acceleration = (
+        reading.values_of(dataset[f"angular_{of}"], "link", "crank_angle")
+        for of in ("velocity", "acceleration")
+    )
+    steady = (
+        np.ptp(speed, axis=1) + np.abs(acceleration).max(axis=1) <= STEADY * np.abs(speed).max()
+    )
+    shown = np.flatnonzero(~steady | steady.all())
     for name, words, factor, unit in MOTIONS:
-        values = dataset[name].transpose("link", "crank_angle").values
-        curves = series(angles, factor * values, reading.names_of(dataset, "link"), _link_line)
-        panes.append(Pane(f"{words}\n({unit})", curves, spans=(ZERO,)))
+        values = factor * dataset[name].transpose("link", "crank_angle").values
+        curves = series(angles, values, links, _link_line)
+        panes.append(Pane(f"{words}\n({unit})", [curves[n] for n in shown], spans=(ZERO,)))
     title = f"Motion of the links {reading.conditions(over)}"
     return over_positions(over, panes, title, layout=grid(3, 1, 5.4, sharex=True))
 
@@ -144,15 +159,19 @@ def plot_drive(dataset: xr.Dataset) -> Picture:
     """
     over, (dataset, angles) = dataset, positions(dataset)
     both, panes = "transmission_angle" in dataset, []
-    shown = (
+    shown = [
         ("driving_torque", "Torque", reading.TORQUE_UNITS),
         ("driving_power", "Power", reading.POWER_UNITS),
-    )
-    for name, words, units in shown:
+    ]
+    # At constant speed the power is the torque in another unit.
+    steady = "time" not in over.dims and over.attrs["crank_speed"]
+    right = SecondAxis("Power", float(steady), reading.POWER_UNITS) if steady else None
+    for name, words, units in shown[:1] if steady else shown:
         curves = [Curve(angles, dataset[name].values, style.series_line(0, angles))]
         if f"lumped_{name}" in dataset:
             curves.append(_lumped(dataset, angles, dataset[f"lumped_{name}"].values))
         panes.append(Pane(words, curves, units, spans=(ZERO,)))
+    panes[0] = replace(panes[0], spans=(ZERO, *_mean_torques(over)), right=right)
     if both:
         angle, turned = (
             np.degrees(dataset[f"{name}transmission_angle"].values) for name in ("", "reversed_")
@@ -168,6 +187,15 @@ def plot_drive(dataset: xr.Dataset) -> Picture:
         )
     layout = grid(len(panes), 1, 1.7 * len(panes) + 0.3, sharex=True)
     return over_positions(over, panes, f"Drive {reading.conditions(over)}", layout=layout)
+
+
+def _mean_torques(dataset: xr.Dataset) -> Iterator[Span]:
+    """Lines at the root mean square of the torque, and at its mean where the speed is constant."""
+    rms = float(reading.sizing(dataset, "rms_torque", "shaft").item())
+    yield Span(rms, rms, {"color": MID_GREY, "lw": 0.9, "ls": "--"}, "root mean square")
+    if "time" not in dataset.dims and "mean_driving_power" in dataset and rms:
+        mean = float(dataset["mean_driving_power"]) / float(dataset.attrs["crank_speed"])
+        yield Span(mean, mean, {"color": MID_GREY, "lw": 0.9, "ls": ":"}, "mean")
 
 
 def _link_line(number: int, points: FloatArray | None = None) -> style.Look:
@@ -275,7 +303,9 @@ def coupler_picture(dataset: xr.Dataset) -> Picture:
     scaled = factor * dataset[[n for n in _PLACES if n in dataset]]
     curves = _paths(scaled["position"].expand_dims("path"), states, angles)
     doubles = _double_points(dataset, factor)
-    panes = [Pane("", [*curves, *doubles], title="Coupler point" if of_curve else "Point")]
+    dots = _at_round_angles(scaled["position"], angles)
+    title = "Coupler point" if of_curve else "Point"
+    panes = [Pane("", [*curves, *doubles, *dots], title=title)]
     if "close_up" in dataset:
         # Without marks: it is fine whatever the crank angles.
         close = _paths(scaled["close_up"].rename(window="path"), states)
@@ -290,12 +320,14 @@ def coupler_picture(dataset: xr.Dataset) -> Picture:
         names.append(Note(float(path.x[top]), float(path.y[top]) + over, name, above))
     if found := drawn_posture(dataset):
         heading += f", crank at {np.degrees(found[2]):.4g}°"
-    panes.append(Pane("", pins, title=heading, notes=names))
+    panes.append(Pane("", [*pins, *curves], title=heading, notes=names))
     look: Look = {"label": f"y ({unit})", "along": f"x ({unit})", "height": PAGE_HEIGHT}
     # A page shows the first one alone.
     first, *others = (replace(pane, **look) for pane in panes)
     panes = [first, *(replace(pane, apart="plane") for pane in others)]
     legend = {_counted(dataset, s): style.series_line(n) for n, s in enumerate(states)}
+    if dots:
+        legend |= {f"every {DOTS_APART:g}° of the crank": DOT}
     # Beyond the crank angles drawn, marks stand off the lines.
     where = "" if np.ptp(angles) > 360.0 - 1e-4 else " of the whole curve"
     for kind, mark in MARKS.items():
@@ -338,6 +370,17 @@ def _paths(
         for number, (name, paths) in enumerate(zip(states, values, strict=True))
         for x, y in paths
     ]
+
+
+def _at_round_angles(position: xr.DataArray, angles: FloatArray) -> list[Curve]:
+    """Dots on the paths at equal times of a steady crank, from which one reads the speed."""
+    at = np.flatnonzero(
+        np.isclose(angles % DOTS_APART, 0.0) | np.isclose(angles % DOTS_APART, DOTS_APART)
+    )
+    if len(at) < 2:
+        return []
+    places = reading.values_of(position, "state", "component", "crank_angle")[:1, :, at]
+    return [Curve(x, y, DOT, followed=None) for x, y in places]
 
 
 def _double_points(dataset: xr.Dataset, factor: float) -> list[Curve]:

@@ -15,13 +15,20 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
-from matplotlib.transforms import Bbox
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.transforms import Bbox, blended_transform_factory
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots.reading import mechanism_name, terms_text
-from flexmech.plots.style import figure_width, is_narrow, new_figure, publication_style
+from flexmech.plots.style import (
+    BESIDE_PANELS,
+    figure_width,
+    is_narrow,
+    new_figure,
+    publication_style,
+)
 
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
 MEAN_LETTER = 0.62
@@ -142,7 +149,8 @@ class Sheet:
     ) -> None:
         """Put legend and title above the panels; the legend alone on the first of the user's.
 
-        Entries run along the rows, as many a row as the figure's width holds.
+        Both begin at the left edge of the first panel. Entries run along the rows, as many a row as
+        the figure's width holds.
 
         Parameters
         ----------
@@ -158,17 +166,28 @@ class Sheet:
             if handles:
                 self.panels[0].legend(handles=handles)
             return
-        name, room = "" if of is None else mechanism_name(of), figure_width() - 0.1
+        name, room = "" if of is None else mechanism_name(of), figure_width() - BESIDE_PANELS
         terms = "" if of is None else terms_text(of)
         texts = (name, terms[:1].upper() + terms[1:], *title.split("\n"))
         lines = [line for text in texts for line in wrapped(text, room)]
         columns = legend_columns([str(handle.get_label()) for handle in handles])
         rows = -(-len(handles) // columns) + len(lines)
-        self.figure.set_figheight(self.figure.get_figheight() + 0.12 + 0.165 * rows)
+        height = 0.12 + 0.165 * rows
+        self.figure.set_figheight(self.figure.get_figheight() + height)
+        below = 1.0 - height / self.figure.get_figheight()
+        layout = self.figure.get_layout_engine()
+        if isinstance(layout, ConstrainedLayoutEngine):
+            layout.set(rect=(0.0, 0.0, 1.0, below))
+        left_edge, top = self.panels[0].transAxes, self.figure.transFigure
         self.figure.legend(
             # Matplotlib fills a legend column by column; every column but the last ones is full.
             handles=[handle for start in range(columns) for handle in handles[start::columns]],
-            loc="outside upper center",
+            loc="upper left",
+            bbox_to_anchor=(0.0, 1.0 - 0.05 / self.figure.get_figheight()),
+            bbox_transform=blended_transform_factory(left_edge, top),
+            borderpad=0.0,
+            borderaxespad=0.0,
+            alignment="left",
             ncols=columns,
             title="\n".join(lines) or None,
         )
@@ -265,7 +284,7 @@ def legend_columns(labels: list[str]) -> int:
 
     def fits(columns: int) -> bool:
         needed: float = sum(max(widths[n::columns], default=0.0) for n in range(columns))
-        return needed <= figure_width() - 0.1
+        return needed <= figure_width() - BESIDE_PANELS
 
     count = max(len(labels), 1)
     most = next((n for n in range(count, 1, -1) if fits(n)), 1)

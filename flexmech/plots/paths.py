@@ -15,8 +15,6 @@ from flexmech.plots.style import TIMES, Look
 # Part of the path's extent that the greatest deviation is drawn as, at most, and factors of it.
 _DRAWN, _FACTORS = 0.15, np.outer(10.0 ** np.arange(7), (1, 2, 5)).ravel()
 _HEIGHT = 3.4
-# Round-off must not lose the sample a full turn before the last one.
-_A_TURN = 2 * np.pi * (1 + 1e-9)
 # Between numbers along the crank angle, in degrees.
 _TICK = 60.0
 _MM = 1e3
@@ -45,7 +43,7 @@ def plot_paths(dataset: xr.Dataset) -> Picture:
     own, angle = dataset.isel(engine=0), dataset["crank_angle"].values
     most = np.argsort(-own["peak_path_deviation"].values)[: len(style.SERIES_STYLES)]
     own = own.isel(point=np.sort(most))
-    turn = own.isel(time=np.abs(angle[-1] - angle) <= _A_TURN)
+    turn = own.isel(time=np.abs(angle[-1] - angle) <= reading.A_TURN)
     point = str(own["peak_path_deviation"].idxmax("point").item())
     rigid, elastic = (
         _MM * reading.values_of(turn[name].sel(point=point), "component", "time")

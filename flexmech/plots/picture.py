@@ -123,6 +123,25 @@ ZERO = Span(0.0, 0.0, {"color": LIGHT_GREY, "lw": 0.6, "zorder": 0})
 
 
 @dataclass(frozen=True)
+class SecondAxis:
+    """A quantity proportional to that of a pane, on an axis at its right edge.
+
+    Parameters
+    ----------
+    label : str
+        Without the unit.
+    factor : float
+        From the pane's quantity in its SI unit to this one in its own.
+    units : tuple of (float, str)
+        To choose from.
+    """
+
+    label: str
+    factor: float
+    units: Units
+
+
+@dataclass(frozen=True)
 class Pane:
     """Curves over one axis along y.
 
@@ -160,6 +179,8 @@ class Pane:
     apart : {"", "number", "plane", "none"}
         What runs along x of a pane beside those of the picture, which a page leaves out: another
         number, a place in the plane, at one scale, or nothing.
+    right : SecondAxis, optional
+        A page leaves it out.
     """
 
     label: str
@@ -178,6 +199,7 @@ class Pane:
     x_limits: tuple[float, float] | None = None
     x_ticks: Sequence[float] | FloatArray = ()
     apart: Literal["", "number", "plane", "none"] = ""
+    right: SecondAxis | None = None
 
     def times(self, factor: float, unit: str) -> Pane:
         """The pane with its curves in a unit, which stands beside them."""
@@ -195,7 +217,14 @@ class Pane:
             one if one.upright else replace(one, low=factor * one.low, high=factor * one.high)
             for one in self.spans
         ]
-        return replace(self, label=label, curves=curves, spans=spans, limits=limits, units=())
+        right = self.right
+        if right is not None:
+            values = np.concatenate([one.y for one in self.curves])
+            size, name = fitting_unit(right.factor * values, right.units)
+            label_right = f"{right.label} ({name})"
+            right = replace(right, label=label_right, factor=size * right.factor / factor, units=())
+        made: Look = {"label": label, "curves": curves, "spans": spans, "limits": limits}
+        return replace(self, **made, units=(), right=right)
 
 
 @dataclass(frozen=True)

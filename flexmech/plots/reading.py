@@ -27,6 +27,8 @@ FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
 TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
 POWER_UNITS: Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 STRAIN_UNITS: Units = ((1e6, "µm/m"),)
+A_TURN = 2 * np.pi * (1 + 1e-9)
+"""A turn in rad: round-off does not lose the sample that closes it."""
 # Least number of the largest value in a unit that can be read: axes write two decimals.
 LEAST_NUMBER = 0.01
 MAP = ("engine", "crank_speed", "crank_angle", "mode")
@@ -108,6 +110,28 @@ def conditions(dataset: xr.Dataset) -> str:
     return f"at {drive_text(dataset)}" if law is None else f"under {law}"
 
 
+def operating_speeds(dataset: xr.Dataset) -> list[float]:
+    """Operating speeds of the model file between the ends of a map over crank speeds, in rad/s."""
+    named = [float(speed) for speed in str(dataset.attrs.get("operating_speeds", "")).split()]
+    low, high = dataset["crank_speed"].values[[0, -1]].tolist()
+    return [speed for speed in named if lies_in(dataset, [(low, high)], speed)]
+
+
+def lies_in(dataset: xr.Dataset, ranges: Sequence[tuple[float, float]], speed: float) -> bool:
+    """Whether a crank speed in rad/s lies in ranges of a map over crank speeds.
+
+    A speed that went through another unit may be off by its last digits.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    ranges : sequence of tuple of float
+    speed : float
+    """
+    slack = 1e-9 * float(np.abs(dataset["crank_speed"].values).max())
+    return any(min(ends) - slack <= speed <= max(ends) + slack for ends in ranges)
+
+
 def speed_texts(dataset: xr.Dataset) -> list[str]:
     """Crank speeds of a dataset in the user's unit."""
     return [speed_text(dataset, float(speed)) for speed in dataset["crank_speed"].values]
@@ -182,17 +206,34 @@ def values_of(array: xr.DataArray, *order: str) -> FloatArray:
     return np.asarray(array.transpose(*order).values, dtype=float)
 
 
+def sizing(dataset: xr.Dataset, quantity: str, of: str) -> FloatArray:
+    """Numbers that size motor or bearings, by one engine after the other.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    quantity, of : str
+        Such as ``rms_torque`` of ``shaft``.
+
+    Returns
+    -------
+    ndarray, shape (1,) or (engines, 1)
+    """
+    wanted = (dataset["sizing_quantity"] == quantity) & (dataset["sizing_of"] == of)
+    return np.asarray(dataset["sizing_value"].values[..., wanted.values], dtype=float)
+
+
 def names_of(dataset: xr.Dataset | xr.DataArray, coordinate: str) -> list[str]:
     """Names along a coordinate such as ``link``."""
     return [str(name) for name in dataset[coordinate].values]
 
 
 def joint_title(dataset: xr.Dataset, joint: str) -> str:
-    """A joint, and of which link its force is on which, where a dataset has that."""
+    """Force at a joint, and on which link another exerts it, where a dataset has that."""
     there = dataset.sel(joint=joint)
     if "force_by" not in there.coords:
-        return joint
-    return f"{joint}, of the {there['force_by'].item()} on the {there['force_on'].item()}"
+        return f"Force at {joint}"
+    return f"Force of the {there['force_by'].item()} on the {there['force_on'].item()} at {joint}"
 
 
 def complex_values(dataset: xr.Dataset, name: str, *order: str) -> ComplexArray:
@@ -221,6 +262,14 @@ def subscripts(number: int | str) -> str:
 def signed(order: int) -> str:
     """An order with its sign, 0 without one."""
     return f"{order:+d}" if order else "0"
+
+
+def a_turn(dataset: xr.Dataset) -> xr.Dataset:
+    """The first turn of a periodic motion, which all others repeat; any other run whole."""
+    if "drive" in dataset.attrs or dataset.attrs.get("start") != "periodic":
+        return dataset
+    turned = np.abs(dataset["crank_angle"].values - dataset["crank_angle"].values[0])
+    return dataset.isel(time=turned <= A_TURN)
 
 
 def bending_links(dataset: xr.Dataset) -> list[str]:

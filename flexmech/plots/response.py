@@ -35,7 +35,7 @@ def plot_response(dataset: xr.Dataset) -> Picture:
     One panel for the deflection of each link that is not rigid: of its middle from the line
     between its pins, or of a clamped link's tip. Under them the bending strain of those links
     whose middle is watched, and the rotation and speed of a shaft that is free, against what is
-    prescribed. The axis on top gives the crank angle.
+    prescribed. The axis on top gives the crank angle. A periodic motion is drawn over one turn.
 
     Parameters
     ----------
@@ -48,6 +48,7 @@ def plot_response(dataset: xr.Dataset) -> Picture:
     -------
     Figure
     """
+    dataset = reading.a_turn(dataset)
     links = reading.bending_links(dataset)
     strained = [name for name in links if dataset["probe"].sel(link=name) == "middle"]
     watched = [("deflection", name, reading.LENGTH_UNITS) for name in links]
@@ -120,7 +121,8 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Forces are those of all joints, bearings included, as far as the run's band lets them through:
     vibrations of the links along their length are too fast to be distinguished. At one or two
     joints the magnitude and both components are drawn, at more the magnitudes alone, so that a page
-    holds them. Beside them stand the forces of rigid links (dark grey).
+    holds them. Beside them stand the forces of rigid links (dark grey). A periodic motion is drawn
+    over one turn.
 
     Parameters
     ----------
@@ -156,6 +158,7 @@ def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Pictu
     -------
     Picture
     """
+    dataset = reading.a_turn(dataset)
     torque = dataset["driving_torque"], dataset["rigid_driving_torque"]
     curves = elastic_and_rigid(dataset, *torque)
     panes = [Pane("Driving\ntorque", curves, reading.TORQUE_UNITS, spans=(ZERO,))]
@@ -169,7 +172,7 @@ def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Pictu
         for part, (elastic, rigid) in parts.items():
             curves = elastic_and_rigid(dataset, elastic, rigid)
             title = reading.joint_title(dataset, joint) if part == "magnitude" else ""
-            what = f"Force at {joint},\n{part}"
+            what = part.capitalize() if part == "magnitude" else f"Along {part}"
             panes.append(Pane(what, curves, reading.FORCE_UNITS, title, (ZERO,)))
     band = dataset.attrs.get("force_band")
     up_to = "" if band is None else f", forces up to {band:.4g} Hz"
@@ -220,6 +223,7 @@ def plot_frame_motion(dataset: xr.Dataset) -> Picture:
     -------
     Figure
     """
+    dataset = reading.a_turn(dataset)
     along = [(one, dataset.sel(component=one)) for one in reading.names_of(dataset, "component")]
     shown = [
         (f"Frame\nalong {one}", own["frame_displacement"], reading.LENGTH_UNITS)

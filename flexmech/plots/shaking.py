@@ -62,7 +62,8 @@ def plot_shaking_force(dataset: xr.Dataset) -> Picture:
 def plot_running_shaking_force(dataset: xr.Dataset) -> Picture:
     """Draw shaking force and moment of the running mechanism against time.
 
-    Every engine is drawn, and rigid links in dark grey.
+    The curves are those of each engine, and of rigid links (dark grey). A periodic motion is drawn
+    over one turn.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ def plot_running_shaking_force(dataset: xr.Dataset) -> Picture:
     -------
     Figure
     """
-    panes = []
+    dataset, panes = reading.a_turn(dataset), []
     for one in reading.names_of(dataset, "component"):
         along = dataset.sel(component=one)
         forces = elastic_and_rigid(dataset, along["shaking_force"], along["rigid_shaking_force"])
@@ -143,7 +144,7 @@ def moment_point(dataset: xr.Dataset) -> str:
 def plot_balance(dataset: xr.Dataset) -> Picture:
     """Draw the shaking force's end point, its size, the shaking moment and the driving torque.
 
-    With elastic links their size is drawn too, in paler lines.
+    Paler lines are the size with elastic links.
 
     Parameters
     ----------
@@ -176,7 +177,7 @@ def _path_of_force(dataset: xr.Dataset) -> Pane:
     if np.abs(force[-1]).max() < SAME_PLACE * np.abs(force).max():
         # A balanced force is a point.
         dot: style.Look = {"ls": "", "marker": "o", "ms": 3.0}
-        dot["color"] = style.series_style(1).color
+        dot["color"] = style.series_style(len(force) - 1).color
         curves.append(Curve(np.zeros(1), np.zeros(1), dot))
     spans = ZERO, replace(ZERO, upright=True)
     along = f"Shaking force along x ({unit})"
@@ -198,7 +199,7 @@ def _balanced(dataset: xr.Dataset) -> list[Pane]:
             reading.values_of(running, "state", "elastic_angle", "component"), axis=-1
         )
         sizes += [
-            replace(one, name=f"{one.name}, elastic links", look=one.look | _ELASTIC)
+            replace(one, name="the same, elastic links", look=one.look | _ELASTIC)
             for one in series(turned, of_elastic, states)
         ]
     panes = [Pane("Shaking force", sizes, reading.FORCE_UNITS, spans=(ZERO,))]

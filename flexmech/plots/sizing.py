@@ -39,9 +39,7 @@ def plot_motor_plane(dataset: xr.Dataset) -> Picture:
     who = "motor" if "motor_torque" in dataset else "shaft"
     torque, speed = _of_motor(dataset) if who == "motor" else _of_shaft(dataset)
     factor, unit = reading.crank_speed_units(dataset)[0]
-    rms = dataset["sizing_value"].values[
-        ..., (dataset["sizing_quantity"] == "rms_torque") & (dataset["sizing_of"] == who)
-    ]
+    rms = reading.sizing(dataset, "rms_torque", who)
     names = [""]
     if "engine" in torque.dims:
         names = [reading.engine_label(dataset, n) for n in range(dataset.sizes["engine"])]

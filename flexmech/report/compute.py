@@ -9,14 +9,15 @@ import numpy as np
 
 from flexmech import analyses, choices, linkages
 from flexmech.analyses.campbell import compute as campbell_analysis
-from flexmech.analyses.crank_speeds import asked_speeds, in_unit, rad_per_s
+from flexmech.analyses.crank_speeds import RAD_S, asked_speeds, in_unit, rad_per_s
 from flexmech.analyses.kinematics import compute as kinematics_analysis
 from flexmech.analyses.options import EVERY_DEGREE, ReportOptions
 from flexmech.analyses.requests import Engines, asks, engines_of
 from flexmech.analyses.response import compute as response_analysis
+from flexmech.analyses.strength import compute as strength_analysis
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.crank_values import CAMPBELL, operating_speeds
-from flexmech.errors import InputError
+from flexmech.errors import ComputationError, FlexmechError, InputError
 from flexmech.hygrothermal import Exposure, absorbing_links
 from flexmech.mechanics import Engine
 from flexmech.mechanism import Mechanism
@@ -28,6 +29,7 @@ CAMPBELL_SPEEDS = 13
 # Crank angles at which mode shapes are stored, every 5 deg of a turn, as the page holds them all,
 # and over which bands are taken, at most.
 MOST_SHAPES, MOST_CAMPBELL_ANGLES = 72, 36
+NO_SPEED = "a crank speed other than zero in --speeds"
 
 
 class ReportRequest(ReportOptions):
@@ -38,7 +40,7 @@ class ReportRequest(ReportOptions):
     Raises
     ------
     InputError
-        If a part is unknown.
+        If a part is unknown, or parts are named for a brief page.
 
     Examples
     --------
@@ -52,6 +54,8 @@ class ReportRequest(ReportOptions):
             remedy = f"give some of {', '.join(choices.REPORT_PARTS)} in a tuple"
             for part in checked_tuple(self.include, object, "include", remedy):
                 check_choice(part, choices.REPORT_PARTS, "include")
+            if self.brief:
+                raise InputError("include: a brief page has parts of its own; leave include out")
 
 
 @asks(ReportRequest)
@@ -71,7 +75,7 @@ def report_results(mechanism: Engines, request: ReportRequest) -> Results:
     ------
     InputError, ComputationError
         As each analysis does; if a part is asked for that the mechanism does not have; or if there
-        is no engine.
+        is no engine. A brief page says what an analysis refused, unless all of them did.
 
     Examples
     --------
@@ -89,12 +93,12 @@ def report_results(mechanism: Engines, request: ReportRequest) -> Results:
         over = in_unit(rad_per_s(over, request.speed_unit, "campbell_speeds"), unit)
     tolerance = request.tolerance if request.elements is None else None
     request = replace(request, speed_unit=unit, campbell_speeds=over, tolerance=tolerance)
-    parts, making = (
-        _parts(subject, speeds, request),
-        _Making(found_engines, speeds, request, request.progress),
-    )
+    making = _Making(found_engines, speeds, request, request.progress)
     found: list[analyses.Result] = [analyses.check_mechanism(found_engines[0])]
-    makers: dict[choices.ReportPart, Callable[[], list[analyses.Result]]] = {
+    if request.brief:
+        return _of_brief_page(making, found)
+    parts = _parts(subject, speeds, request)
+    makers: dict[choices.ReportPart, Callable[[], Sequence[analyses.Result]]] = {
         "frequencies": making.frequencies,
         "campbell": making.campbell,
         "response": making.responses,
@@ -109,6 +113,27 @@ def report_results(mechanism: Engines, request: ReportRequest) -> Results:
     return Results(tuple(found))
 
 
+def _of_brief_page(making: _Making, found: list[analyses.Result]) -> Results:
+    """Response, strength and Campbell diagram, or why there is none of them."""
+    if not np.any(making.speeds):
+        raise InputError(f"a brief page needs {NO_SPEED}")
+    refused, errors = dict[str, str](), list[FlexmechError]()
+    makers: dict[str, Callable[[], Sequence[analyses.Result]]] = {
+        "response": making.responses,
+        "strength": lambda: making.strength(Results(tuple(found)).of_kind(analyses.Response)),
+        "campbell": making.campbell,
+    }
+    for name, make in makers.items():
+        try:
+            found += make()
+        except (InputError, ComputationError) as error:
+            refused[name] = error.in_unit(making.request.speed_unit or RAD_S)
+            errors.append(error)
+    if len(errors) == len(makers):
+        raise errors[0]
+    return Results(tuple(found), refused)
+
+
 def _parts(
     mechanism: Mechanism, speeds: FloatArray, request: ReportRequest
 ) -> tuple[choices.ReportPart, ...]:
@@ -116,9 +141,9 @@ def _parts(
     exposed = isinstance(request.environment, Exposure)
     lacking: dict[choices.ReportPart, str] = {}
     if not np.any(speeds):
-        lacking["response"] = "a crank speed other than zero in --speeds"
+        lacking["response"] = NO_SPEED
     if not np.any(speeds) and request.campbell_speeds is None:
-        lacking["campbell"] = "a crank speed other than zero in --speeds, or --campbell-speeds"
+        lacking["campbell"] = f"{NO_SPEED}, or --campbell-speeds"
     if mechanism.coupler_point is None or not isinstance(mechanism.linkage, linkages.FourBar):
         lacking["coupler-curve"] = "a coupler point in the model file, of a four-bar"
     if not exposed or not absorbing_links(mechanism):
@@ -191,7 +216,7 @@ class _Making:
             angles = angles[:-1]
         return angles[:: max(1, -(-len(angles) // most))]
 
-    def responses(self) -> list[analyses.Result]:
+    def responses(self) -> list[analyses.Response]:
         """Periodic motion at every speed but zero, dry and in the environment."""
         return [
             response_analysis.response(
@@ -207,6 +232,24 @@ class _Making:
             for state in dict.fromkeys((None, self.request.environment))
             for speed in self.speeds
             if speed
+        ]
+
+    def strength(self, runs: Sequence[analyses.Response]) -> list[analyses.Result]:
+        """Links and pins under the loads of the periodic motion that strains them most."""
+        unit, worst = self.request.speed_unit or RAD_S, float(max(self.speeds, key=abs))
+        if runs:
+            most = max(runs, key=lambda run: float(run.dataset["peak_stress"].max()))
+            worst = float(in_unit(most.dataset.attrs["crank_speed"], unit)[0])
+        return [
+            strength_analysis.strength(
+                self.engines[0],
+                worst,
+                source="periodic",
+                search_speed=False,
+                speed_unit=unit,
+                environment=self.request.environment,
+                progress=self.progress,
+            )
         ]
 
     def kinematics(self) -> list[analyses.Result]:

@@ -18,7 +18,7 @@ from flexmech.files import given_path, write_whole
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import KINDS, template
 from flexmech.plots.style import SERIES_STYLES
-from flexmech.report.answers import cards, trust
+from flexmech.report.answers import brief_cards, cards, trust
 from flexmech.report.moving_linkage import (
     Arrays,
     breakable_markup,
@@ -131,9 +131,10 @@ def check_extra() -> None:
 
 
 def write_report(
-    results: Result | Sequence[Result],
+    results: Result | Sequence[Result] | Results,
     path: str | Path,
     *,
+    brief: bool = False,
     mechanism: Mechanism | None = None,
     command_line: str = "",
 ) -> Path:
@@ -144,11 +145,14 @@ def write_report(
 
     Parameters
     ----------
-    results : Result or sequence of Result
+    results : Result, sequence of Result or Results
         Results of one mechanism: frequencies, Campbell diagram, responses, sections, coupler
         curves, moisture. Each panel takes those that it shows.
     path : str or Path
         Path of the HTML file; replaced if it exists.
+    brief : bool
+        One screen and one sheet of A4 in place of panels: the moving linkage and the numbers that
+        decide.
     mechanism : Mechanism, optional
         What is drawn and turns. Left out: that of the model file whose text the results hold; a
         mechanism built in Python has none, and the page then shows the panels alone.
@@ -179,15 +183,15 @@ def write_report(
     known = Results.of(results)
     target = given_path(path)
     shown = mechanism if mechanism is not None else mechanism_of(known)
-    write_whole(target, _page(known, shown, command_line))
+    write_whole(target, _page(known, shown, command_line, brief))
     return target
 
 
-def _page(results: Results, mechanism: Mechanism | None, command_line: str) -> str:
-    """Text of the page."""
+def _page(results: Results, mechanism: Mechanism | None, command_line: str, brief: bool) -> str:
+    """Text of the page; a brief one has no plots, and no plotly."""
     from plotly import __version__ as plotly_version
 
-    arrays, panels = Arrays(), panels_of(results)
+    arrays, panels = Arrays(), [] if brief else panels_of(results)
     linkage = None if mechanism is None else moving_linkage(mechanism, results, arrays)
     plots = [_plain(plot, arrays) for panel in panels for plot in panel.plots]
     readings = [_plain(each, arrays) for panel in panels for each in panel.readings]
@@ -205,7 +209,8 @@ def _page(results: Results, mechanism: Mechanism | None, command_line: str) -> s
         .render(
             title=_title(results),
             source=results.attribute("source"),
-            cards=cards(results),
+            brief=brief,
+            cards=brief_cards(results) if brief else cards(results),
             trust=trust(results),
             panels=panels,
             choices=data["choices"],
@@ -214,9 +219,9 @@ def _page(results: Results, mechanism: Mechanism | None, command_line: str) -> s
             data=json_text(data),
             style=_package_text("style.css"),
             script="\n".join(map(_package_text, SCRIPTS)),
-            plotly=plotly_source(),
+            plotly="" if brief else plotly_source(),
             thinned=[line for panel in panels for line in panel.thinned],
-            versions=_versions(results) | {"plotly": plotly_version},
+            versions=_versions(results) | ({} if brief else {"plotly": plotly_version}),
             settings=_settings(results),
             model_text=results.attribute("model_text"),
             model_file=results.attribute("model_file"),

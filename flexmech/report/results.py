@@ -6,7 +6,7 @@ A run is shown over its last turn, with as many samples as a screen shows.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
@@ -60,6 +60,8 @@ class Results:
     Parameters
     ----------
     all : tuple of Result
+    refused : mapping of str to str
+        Reasons, with their remedies, why analyses gave no result, by the names of their commands.
 
     Raises
     ------
@@ -68,6 +70,7 @@ class Results:
     """
 
     all: tuple[analyses.Result, ...]
+    refused: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.all:
@@ -88,8 +91,10 @@ class Results:
             )
 
     @classmethod
-    def of(cls, results: analyses.Result | Sequence[analyses.Result]) -> Results:
-        """Results of what a user gives: one, or several in a list."""
+    def of(cls, results: analyses.Result | Sequence[analyses.Result] | Results) -> Results:
+        """Results of what a user gives: one, several in a list, or those of a report."""
+        if isinstance(results, Results):
+            return results
         if isinstance(results, analyses.Result):
             return cls((results,))
         remedy = "give what flexmech.moving_frequencies returns, or several in a list"

@@ -7,9 +7,8 @@ their sparse matrices.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,13 +17,10 @@ from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linkages import RigidMotion
 from flexmech.mechanics import (
     GREAT_DETAIL,
     LinearSystem,
-    LinkPencil,
-    RotationTerms,
-    StaticResponse,
+    LinkFrames,
     StressedLinks,
 )
 from flexmech.solvers.eigenproblem import Modes, solve_eigenvalues, solve_modes
@@ -131,39 +127,6 @@ def ritz_values(
     better = factors.solve(loads.reshape(-1, loads.shape[-1])).reshape(loads.shape)
     inertia = np.swapaxes(better, 1, 2) @ _product(mass, better)
     strain = np.swapaxes(better, 1, 2) @ loads - shift[:, None, None] * inertia
-    return _ritz_values(inertia, strain)
-
-
-def responding_values(
-    response: StaticResponse, masses: Sequence[FloatArray], shapes: Sequence[FloatArray]
-) -> NDArray[np.complex128]:
-    """Values of :func:`ritz_values` for elastic links without a matrix of the whole linkage.
-
-    Parameters
-    ----------
-    response : StaticResponse
-        In B positions.
-    masses : sequence of ndarray, shape (..., n_link, n_link)
-        Masses of the links.
-    shapes : sequence of ndarray, shape (B, n_link, m)
-        To begin with, in the links' coordinates.
-
-    Returns
-    -------
-    ndarray, shape (B, m)
-        In rad/s; not a number where a squared frequency is negative by round-off.
-    """
-    loads = [mass @ shape for mass, shape in zip(masses, shapes, strict=True)]
-    better = response.displacements(loads)
-    across = [np.swapaxes(moved, 1, 2) for moved in better]
-    parts = zip(across, masses, better, strict=True)
-    inertia = np.asarray(sum(by @ (mass @ moved) for by, mass, moved in parts))
-    strain = np.asarray(sum(by @ load for by, load in zip(across, loads, strict=True)))
-    return _ritz_values(inertia, strain)
-
-
-def _ritz_values(inertia: FloatArray, strain: FloatArray) -> NDArray[np.complex128]:
-    """Eigenvalues of projected matrices (B, m, m)."""
     lower = np.linalg.inv(np.linalg.cholesky(inertia))
     squares = np.linalg.eigvalsh(lower @ strain @ np.swapaxes(lower, 1, 2))
     # Round-off of lengths or stiffnesses beyond all proportion: of such a mode nothing is known.
@@ -173,84 +136,6 @@ def _ritz_values(inertia: FloatArray, strain: FloatArray) -> NDArray[np.complex1
 def _product(matrix: csc_array, columns: FloatArray) -> FloatArray:
     """Block diagonal matrix times columns (B, n, m) of its blocks."""
     return np.asarray(matrix @ columns.reshape(-1, columns.shape[-1])).reshape(columns.shape)
-
-
-def projected_values(
-    pencil: LinkPencil,
-    response: StaticResponse,
-    eigenvalues: NDArray[np.complex128],
-    shapes: NDArray[Any],
-) -> NDArray[np.complex128]:
-    """Eigenvalues near approximate ones after a step of Newton's method in a few shapes.
-
-    These are the approximate ones and the static responses of straight links to what their
-    equations leave over, which is all that modes far above them miss (Davidson's method with one
-    step; the static response in the place of the inverse). No matrix of the linkage is made.
-
-    Parameters
-    ----------
-    pencil : LinkPencil
-        In B positions.
-    response : StaticResponse
-        Response of straight links in these positions.
-    eigenvalues : ndarray, shape (B, m)
-        To begin with, in rad/s.
-    shapes : ndarray, shape (B, size, m)
-        To begin with, in independent coordinates.
-
-    Returns
-    -------
-    ndarray, shape (B, m)
-        In rad/s.
-    """
-    value, count = eigenvalues[:, None, :], eigenvalues.shape[1]
-    by_shapes = pencil.forces(shapes)
-    left = [
-        value * (value * inertia + damping) + stiffness
-        for inertia, damping, stiffness in zip(*by_shapes, strict=True)
-    ]
-    missed = pencil.frames.independent(pencil.motion, response.displacements(left))
-    size = np.linalg.norm(missed, axis=1, keepdims=True)
-    # A shape that misses nothing has the response zero, and stays without effect.
-    missed = missed / np.where(size > 0, size, 1.0)
-    # What forces the shapes ask for is known.
-    forces = [
-        [np.concatenate(pair, axis=2) for pair in zip(*own, strict=True)]
-        for own in zip(by_shapes, pencil.forces(missed), strict=True)
-    ]
-    mass, damping, stiffness = pencil.projected(np.concatenate([shapes, missed], axis=2), forces)
-    none, ways = np.zeros((len(size), count)), np.arange(2 * count)
-    stiffness[:, ways, ways] += np.append(none, size[:, 0] == 0, axis=1)
-    at = eigenvalues[:, :, None, None]
-    matrices = at * (at * mass[:, None] + damping[:, None]) + stiffness[:, None]
-    inertia = np.swapaxes(mass[:, :, :count], 1, 2)
-    loads = 2 * eigenvalues[:, :, None] * inertia + np.swapaxes(damping[:, :, :count], 1, 2)
-    own = np.einsum("bjj->bj", inertia[:, :, :count].conj())
-    try:
-        better = np.linalg.solve(matrices, loads[..., None])[..., 0]
-    except np.linalg.LinAlgError:
-        # Where a matrix is singular the value is an eigenvalue: its change is zero.
-        better = _solved_one_by_one(matrices, loads)
-    return np.asarray(eigenvalues - own / (inertia.conj() * better).sum(axis=2))
-
-
-def _solved_one_by_one(
-    matrices: NDArray[np.complex128], loads: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
-    """Solutions (b, m, n) of matrices (b, m, n, n); of a singular one those of a nearby matrix.
-
-    That is the matrix with its least singular value at round-off, as where it is singular but for
-    round-off.
-    """
-    better = np.empty_like(loads)
-    for place in np.ndindex(loads.shape[:2]):
-        try:
-            better[place] = np.linalg.solve(matrices[place], loads[place])
-        except np.linalg.LinAlgError:
-            left, sizes, right = np.linalg.svd(matrices[place])
-            sizes = np.maximum(sizes, np.finfo(float).eps * sizes[0])
-            better[place] = right.conj().T @ ((left.conj().T @ loads[place]) / sizes)
-    return better
 
 
 def newton_values(
@@ -427,7 +312,7 @@ def converged_modes(
     # The stress is the same in whatever modes, and costs more than they do.
     if stressed is None:
         stressed = systems.stressed(crank_angle, speed)
-    exact = UnreducedPositions(systems, crank_angle, speed, stressed)
+    pencils: list[Pencil] = []
     for detail in (each for each in DETAILS if each >= systems.detail):
         detailed = replace(systems, detail=detail)
         system = detailed.at(crank_angle, crank_speed, stressed)
@@ -435,7 +320,8 @@ def converged_modes(
         if not systems.engine.component_modes:
             none = np.zeros((len(modes.frequency), count))
             return CheckedModes(detailed, system, modes, ModeErrors(none, none))
-        error = reduction_error(exact, system, modes.lowest(count))
+        pencils = pencils or unreduced_pencils(systems, crank_angle, speed, stressed)
+        error = reduction_error(pencils, systems.engine.frames, system, modes.lowest(count))
         small = error.small(modes, damped=bool(systems.damped_by))
         if small.all():
             return CheckedModes(detailed, system, modes, error)
@@ -512,9 +398,10 @@ def _without_component_modes(systems: Systems) -> Systems:
     return replace(systems, engine=systems.engine.unreduced(), detail=DETAILS[0])
 
 
-@dataclass(frozen=True)
-class UnreducedPositions:
-    """Unreduced systems in B positions, few of which are in memory at a time: they are large.
+def unreduced_pencils(
+    systems: Systems, crank_angle: FloatArray, crank_speed: FloatArray, stressed: StressedLinks
+) -> list[Pencil]:
+    """Sparse matrices of all coordinates, made of few dense ones at a time: these are large.
 
     Parameters
     ----------
@@ -523,86 +410,24 @@ class UnreducedPositions:
     crank_angle, crank_speed : ndarray, shape (B,)
     stressed : StressedLinks
         In these positions.
+
+    Returns
+    -------
+    list of Pencil
+        Sparse matrices of each position.
     """
-
-    systems: Systems
-    crank_angle: FloatArray
-    crank_speed: FloatArray
-    stressed: StressedLinks
-
-    @cached_property
-    def response(self) -> StaticResponse | None:
-        """Static response, where elastic links are all that has a stiffness."""
-        if not self._links_alone:
-            return None
-        engine = self.systems.engine
-        tangent = None if self.stressed.unstressed else self.stressed.tangent
-        links = engine.fixed_interface_links
-        return StaticResponse(engine.topology, links, self._motion, tangent)
-
-    @cached_property
-    def moving(self) -> tuple[LinkPencil, StaticResponse] | None:
-        """Pencil, and static response of straight links, where elastic links are all there is.
-
-        Not of damped links: in turning frames their matrices are far from symmetric, and what the
-        left eigenvectors miss counts to the first order.
-        """
-        engine = self.systems.engine
-        turned = any(body.is_off_axis for link in engine.links for body in link.bodies)
-        if turned or self.systems.damped_by or not self._links_alone:
-            return None
-        return (
-            LinkPencil(engine.frames, self._motion, self.stressed, self._terms),
-            StaticResponse(engine.topology, engine.fixed_interface_links, self._motion),
-        )
-
-    @property
-    def _motion(self) -> RigidMotion:
-        assert self.stressed.motion is not None
-        return self.stressed.motion
-
-    @property
-    def _terms(self) -> RotationTerms:
-        """Rotation terms that are counted; none at rest."""
-        counted = self.systems.formulation.counted_terms
-        return counted if self.crank_speed.any() else RotationTerms.all_or_none(False)
-
-    @property
-    def _links_alone(self) -> bool:
-        """Whether elastic links are all that has a stiffness."""
-        engine = self.systems.engine
-        rigid = any(link.rigid for link in engine.links)
-        held = self.stressed.guide_stiffness is not None or engine.connectors.any
-        carried = engine.mechanism.frame is not None
-        return not (rigid or held or carried or engine.rigid_modes)
-
-    def pencils(self) -> Iterator[Pencil]:
-        """Sparse matrices of each position."""
-        count = len(self.crank_angle)
-        engine = self.systems.engine
-        at_a_time = max(1, MATRIX_BYTES // (8 * engine.frames.size**2))
-        if at_a_time >= count:
-            yield from self._every
-        else:
-            for start in range(0, count, at_a_time):
-                yield from self._at(slice(start, start + at_a_time))
-
-    @cached_property
-    def _every(self) -> list[Pencil]:
-        """Pencils of few positions, which are asked for once for each detail."""
-        return self._at(slice(None))
-
-    def _at(self, part: slice) -> list[Pencil]:
-        at = self.crank_angle[part], self.crank_speed[part], self.stressed.at(part)
-        return Pencil.of_positions(self._unreduced.at(*at))
-
-    @cached_property
-    def _unreduced(self) -> Systems:
-        return _without_component_modes(self.systems)
+    unreduced = _without_component_modes(systems)
+    at_a_time = max(1, MATRIX_BYTES // (8 * systems.engine.frames.size**2))
+    pencils = []
+    for start in range(0, len(crank_angle), at_a_time):
+        part = slice(start, start + at_a_time)
+        at = crank_angle[part], crank_speed[part], stressed.at(part)
+        pencils += Pencil.of_positions(unreduced.at(*at))
+    return pencils
 
 
 def reduction_error(
-    unreduced: UnreducedPositions, reduced: LinearSystem, modes: Modes
+    pencils: Sequence[Pencil], frames: LinkFrames, reduced: LinearSystem, modes: Modes
 ) -> ModeErrors:
     """Error of reduced modes against the unreduced matrices.
 
@@ -611,8 +436,10 @@ def reduction_error(
 
     Parameters
     ----------
-    unreduced : UnreducedPositions
-        B of them.
+    pencils : sequence of Pencil
+        Unreduced matrices of B positions.
+    frames : LinkFrames
+        Frames of the unreduced links.
     reduced : LinearSystem
         In these positions.
     modes : Modes
@@ -622,30 +449,16 @@ def reduction_error(
     -------
     ModeErrors
     """
-    engine = unreduced.systems.engine
-    if reduced.is_conservative and (response := unreduced.response) is not None:
-        masses = [link.mass for link in engine.links]
-        improved = responding_values(response, masses, reduced.unreduced_links(modes.vectors))
+    shapes = reduced.unreduced_vectors(modes.vectors, frames)
+    if reduced.is_conservative:
+        improved = ritz_values(pencils, shapes, rigid=reduced.rigid_modes > 0)
     else:
-        shapes = reduced.unreduced_vectors(modes.vectors, engine.frames)
-        improved = _by_unreduced_matrices(unreduced, reduced, modes, shapes)
+        improved = newton_values(pencils, modes.eigenvalues, shapes)
     better = Modes(improved, modes.vectors)
     return ModeErrors(
         frequency=np.abs(modes.frequency / better.frequency - 1),
         damping_ratio=np.abs(modes.damping_ratio - better.damping_ratio),
     )
-
-
-def _by_unreduced_matrices(
-    unreduced: UnreducedPositions, reduced: LinearSystem, modes: Modes, shapes: NDArray[Any]
-) -> NDArray[np.complex128]:
-    """Eigenvalues (B, m) of modes after a step on the unreduced matrices or on those of links."""
-    if reduced.is_conservative:
-        pencils = list(unreduced.pencils())
-        return ritz_values(pencils, shapes, rigid=reduced.rigid_modes > 0)
-    if (moving := unreduced.moving) is not None:
-        return projected_values(*moving, modes.eigenvalues, shapes)
-    return newton_values(list(unreduced.pencils()), modes.eigenvalues, shapes)
 
 
 def unreduced_eigenvalues(
@@ -676,9 +489,8 @@ def unreduced_eigenvalues(
         stressed = systems.stressed(angle, crank_speed)
         reduced = systems.at(angle, crank_speed, stressed)
         modes = solve_modes(reduced, count)
-        exact = UnreducedPositions(unreduced, angle, np.full(1, crank_speed), stressed)
+        pencils = unreduced_pencils(systems, angle, np.full(1, crank_speed), stressed)
         shapes = reduced.unreduced_vectors(modes.vectors, frames)
-        pencils = list(exact.pencils())
         [values] = newton_values(pencils, modes.eigenvalues, shapes, steps=MOST_STEPS)
         values = values[np.argsort(np.abs(values))]
         # Two modes may have led to the same eigenvalue.

@@ -146,15 +146,36 @@ class Design:
         InputError
             If there is no such link or point.
         """
-        if speed not in self._runs:
-            self._runs[speed] = response(self.engine, speed, 1.0, start="periodic").peaks()
-        if name not in self._runs[speed]:
-            raise InputError(f"{name} needs a point that moves, and this mechanism has none")
-        peaks = self._runs[speed][name].isel(engine=0)
+        peaks = self._peaks(name, speed)
         if of is not None:
             (dim,) = map(str, peaks.dims)
             peaks = peaks[_place(dim, of, peaks[dim].values.tolist())]
         return float(abs(peaks).max())
+
+    def place_of_peak(self, name: str, speed: float) -> str:
+        """Link or point with the greatest peak of the periodic motion.
+
+        Parameters
+        ----------
+        name : str
+            Name of the variable of the response's peaks.
+        speed : float
+            In rad/s.
+
+        Returns
+        -------
+        str
+        """
+        peaks = self._peaks(name, speed)
+        return str(abs(peaks).idxmax(peaks.dims[0]).item())
+
+    def _peaks(self, name: str, speed: float) -> xr.DataArray:
+        """Peaks of the periodic motion over links or points."""
+        if speed not in self._runs:
+            self._runs[speed] = response(self.engine, speed, 1.0, start="periodic").peaks()
+        if name not in self._runs[speed]:
+            raise InputError(f"{name} needs a point that moves, and this mechanism has none")
+        return self._runs[speed][name].isel(engine=0)
 
     def residual_amplitude(self, mode: int, link: str | None) -> float:
         """Amplitude of a mode in the deflection after the stop, of a link or the greatest of all.

@@ -156,6 +156,30 @@ def design_of(study: Study, engine: Engine, row: FloatArray) -> Design:
     return Design(found, study.mechanism, None if speed is None else float(speed))
 
 
+def governing(study: Study, row: FloatArray) -> dict[str, str]:
+    """Links, joints or points that govern the outputs of a design, by the names of these outputs.
+
+    Parameters
+    ----------
+    study : Study
+    row : ndarray, shape (k,)
+        Values of the variables.
+
+    Returns
+    -------
+    dict of str to str
+        Without outputs that are not the greatest of several.
+
+    Raises
+    ------
+    FlexmechError
+        If the design cannot be computed.
+    """
+    design = design_of(study, engine_kind(study.engine)(study.mechanism), row)
+    places = {name: output.governed_by(design) for name, output in study.outputs.items()}
+    return {name: place for name, place in places.items() if place}
+
+
 def _outputs_of(study: Study, design: Design) -> list[float]:
     """Outputs of one design."""
     for output in study.outputs.values():

@@ -49,7 +49,14 @@ from flexmech.studies.search import (
     several_goals,
 )
 from flexmech.studies.study import Study
-from flexmech.studies.sweep import ROWS, designs_in_words, output_quantities, ranked
+from flexmech.studies.sweep import (
+    ROWS,
+    designs_in_words,
+    output_quantities,
+    outputs_text,
+    ranked,
+    with_governing,
+)
 from flexmech.studies.tasks import computed_tasks, gathered
 from flexmech.studies.variables import CRANK_SPEED, as_values
 
@@ -307,7 +314,7 @@ class Optimum(Result):
         first = best.isel(design=0)
         outputs = data.attrs["outputs"].split()
         numbers = output_quantities(first, outputs)
-        listed = ", ".join(f"{one.name} {one}" for one in numbers)
+        listed = outputs_text(numbers)
         lines = [f"The best design has {listed}; {_runs(data)}."]
         if data.sizes["goal"] > 1:
             lines = [
@@ -435,7 +442,7 @@ def optimum_study(
     steps, history = zip(*search.steps, strict=True)
     signs = np.array([goal.sign for goal in study.goals])
     return Optimum(
-        _with_statistics(study, dataset)
+        _with_statistics(study, with_governing(study, designs, dataset))
         .assign(checked)
         .merge(_drawn(study, designs), combine_attrs="no_conflicts")
         .assign_coords(evaluations=("step", np.array(steps)))

@@ -364,6 +364,39 @@ class Output:
         """
         return float(self.kind.compute(design, self))
 
+    def governed_by(self, design: Design) -> str:
+        """Link, joint or point whose peak is the output; empty where it is not one of several.
+
+        Parameters
+        ----------
+        design : Design
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        FlexmechError
+            If the design cannot be computed.
+        """
+        name, speed = PEAKS.get(self.quantity), self.speed_of(design)
+        if self.quantity == "peak_joint_force" and self.joint is None:
+            joints = design.mechanism.linkage.topology.joint_names
+            return max(joints, key=lambda one: peak_joint_force(design, speed, self.angles, one))
+        if name is None or self.link is not None or self.point is not None:
+            return ""
+        return design.place_of_peak(name, speed)
+
+
+PEAKS = {
+    "peak_deflection": "deflection",
+    "peak_strain": "strain",
+    "peak_stress": "stress",
+    "path_deviation": "path_deviation",
+}
+"""Peaks of the response over links or points, by the outputs that are the greatest of them."""
+
 
 def _frequencies(design: Design, output: Output) -> Extremes:
     needs = output.needs_of(design)
@@ -371,12 +404,9 @@ def _frequencies(design: Design, output: Output) -> Extremes:
     return design.frequencies(needs)
 
 
-def _peak(name: str) -> Callable[[Design, Output], float]:
-    return lambda design, output: design.peak(name, output.speed_of(design), output.link)
-
-
-def _deviation(design: Design, output: Output) -> float:
-    return design.peak("path_deviation", output.speed_of(design), output.point)
+def _peak(design: Design, output: Output) -> float:
+    of = output.point if output.quantity == "path_deviation" else output.link
+    return design.peak(PEAKS[output.quantity], output.speed_of(design), of)
 
 
 def _residual(design: Design, output: Output) -> float:
@@ -461,10 +491,10 @@ KINDS: Mapping[str, Kind] = {
     "path_error": Kind(LENGTH, "greatest error of the coupler path", _path_error),
     "peak_driving_torque": Kind(TORQUE, "peak driving torque, rigid links", _peak_torque),
     "peak_joint_force": Kind(FORCE, "peak joint force, rigid links", _peak_joint_force),
-    "peak_deflection": Kind(LENGTH, "peak deflection", _peak("deflection")),
-    "peak_strain": Kind(RATIO, "peak strain", _peak("strain")),
-    "peak_stress": Kind(STRESS, "peak normal stress", _peak("stress")),
-    "path_deviation": Kind(LENGTH, "deviation from the path on rigid links", _deviation),
+    "peak_deflection": Kind(LENGTH, "peak deflection", _peak),
+    "peak_strain": Kind(RATIO, "peak strain", _peak),
+    "peak_stress": Kind(STRESS, "peak normal stress", _peak),
+    "path_deviation": Kind(LENGTH, "deviation from the path on rigid links", _peak),
     "residual_amplitude": Kind(LENGTH, "amplitude of a mode after the stop", _residual),
     "strain_energy_damping": Kind(RATIO, "least damping ratio by strain energy", _damping),
     "largest_multiplier": Kind(RATIO, "greatest Floquet multiplier", _multiplier),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ from flexmech.analyses.summary import Summary, Table, trust_line
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.mechanism import Mechanism
 from flexmech.studies.campaign import evaluate_all
+from flexmech.studies.evaluation import governing
 from flexmech.studies.outputs import Output
 from flexmech.studies.result import (
     LEAST_ERROR,
@@ -96,9 +97,9 @@ class DesignSweep(Result):
         if best.sizes["design"]:
             first = best.isel(design=0)
             numbers = output_quantities(first, outputs)
-            values = ", ".join(f"{one.name} {one}" for one in numbers)
-            which = "The best" if first["within"] else "None does; the nearest"
-            lines.append(f"{which} is design {int(first['design'])}: {values}.")
+            which = "The best is" if data.attrs["goals"] else "The first of them is"
+            which = which if first["within"] else "None does; the nearest is"
+            lines.append(f"{which} design {int(first['design'])}: {outputs_text(numbers)}.")
             table = designs_in_words(best.isel(design=slice(ROWS)), data.attrs["mechanism"])
             error = float(data["relative_error"].max(skipna=False).clip(min=LEAST_ERROR))
         return Summary(
@@ -140,8 +141,15 @@ def output_quantities(design: xr.Dataset, outputs: list[str]) -> tuple[Quantity,
         unit = design[name].attrs["shown_unit"]
         value = from_si(float(design[name]), unit)
         error = abs(value) * float(design["relative_error"].sel(output=name))
-        quantities.append(Quantity(name, value, unit, error))
+        quantities.append(
+            Quantity(name, value, unit, error, design[name].attrs.get("governed_by", ""))
+        )
     return tuple(quantities)
+
+
+def outputs_text(numbers: Sequence[Quantity]) -> str:
+    """Outputs of one design in words, each with the link or point that governs it."""
+    return ", ".join(f"{one.name} {one}" + f" ({one.of})" * bool(one.of) for one in numbers)
 
 
 def designs_in_words(dataset: xr.Dataset, mechanism: str) -> Table:
@@ -159,7 +167,8 @@ def designs_in_words(dataset: xr.Dataset, mechanism: str) -> Table:
             value = one[name].item()
             cells.append(value if isinstance(value, str) else f"{from_si(value, unit):.4g}")
         rows.append((*cells, "yes" if bool(one["within"]) else "no"))
-    return Table(f"best designs, {mechanism}", ("design", *headings, "within"), (tuple(rows),))
+    which = "best designs" if dataset.attrs["goals"] else "designs"
+    return Table(f"{which}, {mechanism}", ("design", *headings, "within"), (tuple(rows),))
 
 
 def _short(name: str) -> str:
@@ -215,7 +224,29 @@ def sweep_study(
     )
     dataset = designs_dataset(study, designs, evaluated)
     errors = table_errors(study, designs, dataset, executor, progress)
-    return DesignSweep(dataset.assign(relative_error=errors))
+    return DesignSweep(with_governing(study, designs, dataset).assign(relative_error=errors))
+
+
+def with_governing(study: Study, designs: FloatArray, dataset: xr.Dataset) -> xr.Dataset:
+    """Outputs that name the link or point which governs them in the first design of the table.
+
+    Parameters
+    ----------
+    study : Study
+    designs : ndarray, shape (n, k)
+    dataset : xarray.Dataset
+        Dataset of these designs.
+
+    Returns
+    -------
+    xarray.Dataset
+        With the attribute ``governed_by`` of these outputs.
+    """
+    first = ranked(dataset)["design"].values[:1]
+    for row in designs[first - 1]:
+        for name, place in governing(study, row).items():
+            dataset[name].attrs["governed_by"] = place
+    return dataset
 
 
 def table_errors(

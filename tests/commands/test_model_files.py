@@ -362,10 +362,13 @@ def test_defaults_in_the_schema_fit_it():
                 jsonschema.Draft202012Validator(schema).validate(field["default"])
 
 
+OF_FOUR_BAR = r"\[|position|mass =|offset|shape|coupler_point|damping_time|law|travel|time|dwell"
+
+
 def test_what_the_templates_show_in_comments_is_right_too():
     """Keys behind # are used where they do not replace others."""
     for kind, shown in (
-        ("four-bar", r"# (?=\[|position|mass =|damping_time|law|travel|time|dwell)"),
+        ("four-bar", rf"# (?={OF_FOUR_BAR})"),
         ("rotating-arm", r"# (?=\[|position|mass =|damping_time)"),
         ("composite-four-bar", r"# (?=ply_thickness|damping_frequency)"),
         ("slider-crank", r"# (?=\[|[a-z_]+ = )(?!damping_(ratio|freq))"),

@@ -9,7 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmech import ComputationError, InputError, ReferenceEngine, load_mechanism
+from flexmech import (
+    ComputationError,
+    InputError,
+    ReferenceEngine,
+    kinematics,
+    load_mechanism,
+    response,
+)
 from flexmech.studies import (
     DesignSweep,
     Goal,
@@ -91,6 +98,33 @@ def test_designs_rank_by_violation_before_the_goal():
     assert (result.ranked["design"].values - 1).tolist() == order
     violation = np.maximum(0.1 - masses, 0.0) / 0.1
     np.testing.assert_allclose(result.dataset["violation"], violation)
+
+
+def test_a_sweep_says_which_part_governs_an_output_and_names_no_best_design_without_a_goal():
+    mechanism = load_mechanism(MODELS / "aluminium_fourbar.toml")
+    outputs = {
+        "force": Output("peak_joint_force", speed=20.0, angles=36),
+        "at_b": Output("peak_joint_force", speed=20.0, angles=36, joint="B"),
+        "bend": Output("peak_deflection", speed=20.0),
+    }
+    found = sweep(mechanism, {THICKNESS: [1.6e-3]}, outputs)
+    running = response(mechanism, 20.0, 1.0, start="periodic", engine="reference").peaks()
+    forces = kinematics(mechanism, 20.0).dataset["joint_force"]
+    governing = {
+        "force": np.linalg.norm(forces, axis=-1).max(axis=0).argmax(),
+        "bend": abs(running["deflection"].values[0]).argmax(),
+    }
+    told = {one.name: one.of for one in found.summary().numbers}
+    assert told == {
+        "force": forces["joint"].values[governing["force"]],
+        "at_b": "",
+        "bend": running["link"].values[governing["bend"]],
+    }
+    answer = " ".join(found.summary().answer)
+    assert f"({told['bend']})" in answer
+    assert "best" not in answer
+    goal = sweep(mechanism, {THICKNESS: [1.6e-3]}, outputs, goals=(Goal("force", "min"),))
+    assert "The best is design 1" in " ".join(goal.summary().answer)
 
 
 def test_statistics_and_shares_of_an_uncertainty_are_those_of_its_designs(journeys):

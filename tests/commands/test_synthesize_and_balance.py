@@ -81,7 +81,7 @@ def test_designs_that_cannot_be_are_refused(words: str, named: str, remedy: str,
 @pytest.fixture(scope="module")
 def journey(tmp_path_factory: pytest.TempPathFactory) -> Journey:
     folder = tmp_path_factory.mktemp("balance") / "out"
-    words = ("--speed", "190 rpm", "--radius", "40 mm,60 mm", "--rigid", "--no-plots")
+    words = ("--speed", "190 rpm", "--radius", "40 mm,60 mm", "--full", "--rigid", "--no-plots")
     return Journey(folder, "balance", ALUMINIUM, *words)
 
 
@@ -127,7 +127,7 @@ def test_a_model_that_takes_no_tables_is_written_anew(made: str) -> None:
         kept += "out_of_plane_width='25 mm'}"
         links = f"links = {{crank={kept},coupler={kept},rocker={kept}}}\n"
         given = mechanism_from_toml(text.replace("[linkage]", f"{links}\n[linkage]", 1))
-    text = flexmech.balance(given, 20.0, rigid=True).texts()["balanced.toml"]
+    text = flexmech.balance(given, 20.0, full=True, rigid=True).texts()["balanced.toml"]
     written = mechanism_from_toml(text)
     assert len(written.bodies) == 2
     assert written.linkage == given.linkage
@@ -135,7 +135,7 @@ def test_a_model_that_takes_no_tables_is_written_anew(made: str) -> None:
 
 def test_counterweights_out_of_proportion_are_warned_of(command) -> None:  # type: ignore[no-untyped-def]
     """A tenth of a millimetre from the pivots: 500 times what is needed at half the length."""
-    ended = command("balance", ALUMINIUM, "--radius", "0.1 mm", "--rigid", "--no-plots")
+    ended = command("balance", ALUMINIUM, "--radius", "0.1 mm", "--full", "--rigid", "--no-plots")
     assert ended.exit_code == 0
     assert (
         "counterweights of 118548 g are 1.25e+03 times as heavy as all that moves" in ended.stderr
@@ -162,6 +162,8 @@ def test_a_share_and_a_compromise_are_told(command) -> None:  # type: ignore[no-
         ("aluminium_fourbar", "--weights 0,0,0", "--weights", "one of them positive"),
         ("aluminium_fourbar", "--weights 1,-1,0", "--weights", "zero or positive"),
         ("aluminium_fourbar", "--weights 1,x,0", "--weights", "write a number"),
+        ("aluminium_fourbar", "--weights 1,1,1 --full", "--full", "one of both"),
+        ("slider_crank", "--speed 5 --full", "--full", "share 1"),
         ("aluminium_fourbar", "--radius 30", "--radius", "unit"),
         ("aluminium_fourbar", "--radius '1 mm,2 mm,3 mm'", "--radius", "2 can carry"),
         ("aluminium_fourbar", "--radius '0 mm'", "--radius", "positive"),

@@ -95,6 +95,17 @@ def test_deflections_too_small_for_millimetres_are_in_a_smaller_unit() -> None:
     np.testing.assert_allclose(drawn[0], 1e6 * tiny["deflection"][0, :, 0])
 
 
+@pytest.mark.parametrize("plot", [plots.plot_response, plots.plot_forces], ids=lambda p: p.__name__)
+def test_a_periodic_motion_is_drawn_over_one_turn(plot) -> None:  # type: ignore[no-untyped-def]
+    """Of two turns; other runs are drawn whole."""
+    data = results.response().dataset
+    for start, turns in (("periodic", 1.0), ("rigid", 2.0)):
+        axes = panels(plot(data.assign_attrs(start=start)))[0]
+        end = max(float(line.get_xdata()[-1]) for line in axes.lines if len(line.get_xdata()) > 2)
+        assert end == pytest.approx(turns * 2 * np.pi / 20.0)
+        assert axes.get_xlim() == pytest.approx((0.0, end))
+
+
 def test_links_that_do_not_bend_have_no_panel() -> None:
     data = results.response().dataset
     rigid = data.assign(deflection=data["deflection"].where(data["link"] != "crank", 0.0))

@@ -92,16 +92,15 @@ DRAWN: dict[Plot, list[Row]] = {
     plots.plot_drive: [
         Row(0, "Torque (N m)", lambda d: d["driving_torque"]),
         Row(0, "Torque (N m)", lambda d: d["lumped_driving_torque"]),
-        Row(1, "Power (W)", lambda d: d["driving_torque"] * d.attrs["crank_speed"]),
-        Row(2, "Transmission angle (deg)", lambda d: np.degrees(d["transmission_angle"])),
+        Row(1, "Transmission angle (deg)", lambda d: np.degrees(d["transmission_angle"])),
     ],
     plots.plot_floquet_frequencies: [Row(0, "Frequency (Hz)", lambda d: d["mean_frequency"])],
     plots.plot_forces: [
         Row(0, "Driving torque (N m)", lambda d: d["driving_torque"]),
         Row(0, "Driving torque (N m)", lambda d: d["rigid_driving_torque"]),
-        Row(2, "Force at A, magnitude (N)", size("joint_force", joint="A")),
-        Row(4, "Force at O4, magnitude (N)", size("joint_force", joint="O4")),
-        Row(4, "Force at O4, magnitude (N)", size("rigid_joint_force", joint="O4")),
+        Row(2, "Magnitude (N)", size("joint_force", joint="A")),
+        Row(4, "Magnitude (N)", size("joint_force", joint="O4")),
+        Row(4, "Magnitude (N)", size("rigid_joint_force", joint="O4")),
     ],
     plots.plot_frame_motion: [
         Row(0, "Frame along x (mm)", lambda d: 1e3 * d["frame_displacement"].sel(component="x")),
@@ -148,9 +147,9 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(2, "Force (N)", size("joint_force", joint="B")),
     ],
     plots.plot_kinematics: [
-        Row(0, "Angle (deg)", lambda d: np.degrees(d["angle"])),
-        Row(1, "Angular velocity (rad/s)", lambda d: d["angular_velocity"]),
-        Row(2, "Angular acceleration (rad/s²)", lambda d: d["angular_acceleration"]),
+        Row(0, "Angle (deg)", lambda d: np.degrees(d["angle"][:, 1:])),
+        Row(1, "Angular velocity (rad/s)", lambda d: d["angular_velocity"][:, 1:]),
+        Row(2, "Angular acceleration (rad/s²)", lambda d: d["angular_acceleration"][:, 1:]),
     ],
     plots.plot_law: [
         Row(0, "Angle (deg)", lambda d: np.degrees(d["crank_angle"])),

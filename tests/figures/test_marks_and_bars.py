@@ -36,6 +36,19 @@ def test_recorded_impacts_are_points_of_force_and_displacement_in_small_units() 
         np.testing.assert_allclose(drawn, sorted(values.values.tolist()))
 
 
+def test_driving_power_is_on_a_second_axis_of_the_torque_with_its_means() -> None:
+    data, axes = data_of(plots.plot_drive), panels(figure_of(plots.plot_drive))[0]
+    power = axes.child_axes[0]
+    axes.figure.draw_without_rendering()
+    assert power.get_ylabel() == "Power (W)"
+    limits = data.attrs["crank_speed"] * np.array(axes.get_ylim())
+    np.testing.assert_allclose(power.get_ylim(), limits)
+    torque, angle = data["driving_torque"].values, data["crank_angle"].values
+    rms = np.sqrt(np.trapezoid(torque**2, angle) / np.ptp(angle))
+    levels = [line.get_ydata()[0] for line in axes.lines if np.ptp(line.get_ydata()) == 0]
+    assert min(abs(level - rms) for level in levels) < 1e-4 * rms
+
+
 def test_nyquist_circles_are_the_mobility_about_each_mode() -> None:
     data = data_of(plots.plot_nyquist).isel(crank_angle=0)
     for mode, axes in enumerate(panels(figure_of(plots.plot_nyquist))):

@@ -54,6 +54,25 @@ def test_critical_speeds_lie_on_the_rays_of_their_orders() -> None:
     assert (orders[0][:-1], orders[-1][:-1]) == ("1", "10")
 
 
+def test_operating_speeds_within_the_diagram_are_marked() -> None:
+    data = data_of(plots.plot_campbell).assign_attrs(operating_speeds="10.0 40.0")
+    figure = plots.plot_campbell(data)
+    dotted = [line for line in figure.axes[0].lines if line.get_linestyle() == ":"]
+    assert [line.get_xdata() for line in dotted] == [[10.0, 10.0]]
+    assert "operating speed" in legend_texts(figure)
+
+
+def test_branches_that_no_order_reaches_are_left_out_and_named() -> None:
+    """Order 10 reaches 47.7 Hz: branch 1, and branch 2 where it is 20 Hz lower than here."""
+    data = data_of(plots.plot_campbell)
+    names = [f"{of}_frequency" for of in ("lowest", "mean", "highest")]
+    lifted = data.assign({n: data[n] + 20.0 * (data["branch"] == 2) for n in names})
+    figure = plots.plot_campbell(lifted)
+    assert figure.axes[0].get_ylim()[1] < float(lifted["lowest_frequency"].sel(branch=2).min())
+    assert "branch 2 is higher than orders reach" in heading(figure)
+    assert "higher" not in heading(plots.plot_campbell(data))
+
+
 def test_speeds_are_drawn_in_the_unit_of_the_user() -> None:
     in_rpm = data_of(plots.plot_campbell).assign_attrs(speed_unit="rpm")
     axes = plots.plot_campbell(in_rpm).axes

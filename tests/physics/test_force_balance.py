@@ -30,6 +30,9 @@ TURN = np.radians(np.arange(0.0, 361.0, 5.0))
 
 
 def rigidly(mechanism: Mechanism, **asked: object) -> Balance:
+    """The balance of rigid links, in full where nothing else is asked for."""
+    if asked.get("weights") is None and "share" not in asked:
+        asked["full"] = True
     return balance(mechanism, SPEED, rigid=True, **asked)  # type: ignore[arg-type]
 
 
@@ -208,6 +211,26 @@ def test_a_balanced_force_has_one_moment_about_all_points() -> None:
     ]
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-12)
     assert peaks[2] != pytest.approx(peaks[3], rel=0.1)
+
+
+def test_equal_weights_are_the_default_and_the_full_balance_is_its_limit() -> None:
+    found = balance(fourbar(), SPEED, rigid=True).dataset
+    weighed_alike, full = (rigidly(fourbar(), weights=w).dataset for w in ((1, 1, 1), None))
+    np.testing.assert_array_equal(found["counterweight_mass"], weighed_alike["counterweight_mass"])
+    assert found["state"].values.tolist() == ["as given", "balanced", "full balance"]
+    assert full["state"].values.tolist() == ["as given", "balanced"]
+    for name in ("shaking_force", "shaking_moment", "driving_torque", "moving_mass", "greatest"):
+        limit = found[name].sel(state="full balance").values
+        np.testing.assert_array_equal(limit, full[name].sel(state="balanced").values)
+    sums = [
+        sum(
+            float((data[name].sel(state=state) ** 2).sum() / (data[name][0] ** 2).sum())
+            for name in ("shaking_force", "shaking_moment", "driving_torque")
+        )
+        for data, state in ((found, "balanced"), (found, "full balance"))
+    ]
+    # As given the sum is 3.
+    assert sums[0] < min(3.0, sums[1])
 
 
 @pytest.mark.parametrize(

@@ -74,6 +74,8 @@ def test_the_command_reports_a_model_and_then_what_it_stored(tmp_path: Path) -> 
         (("MODEL", "--include", "campbell", "--speeds", "0"), "--campbell-speeds"),
         (("MODEL", "--campbell-speeds", "fast"), "--campbell-speeds"),
         (("EMPTY", "--speeds", "3"), "--speeds"),
+        (("MODEL", "--brief", "--include", "section"), "--include"),
+        (("MODEL", "--brief", "--speeds", "0"), "--speeds"),
     ],
 )
 def test_what_cannot_be_reported_is_refused_in_a_line(

@@ -27,7 +27,7 @@ FIGURES: dict[Plot, tuple[Callable[[], object], int]] = {
     plots.plot_coupler_curve: (results.coupler_paths, 3),
     plots.plot_designs: (results.sweep, 2),
     plots.plot_distributions: (results.uncertainty, 2),
-    plots.plot_drive: (results.kinematics, 3),
+    plots.plot_drive: (results.kinematics, 2),
     plots.plot_floquet_frequencies: (results.stability, 1),
     plots.plot_forces: (results.response, 5),
     plots.plot_frame_motion: (results.response_on_springs, 5),

@@ -1,6 +1,6 @@
 """Counterweights that balance a linkage: fully, in part or in a compromise; as a model file too.
 
-The dataset holds the linkage in two states, as given and balanced.
+The dataset holds the linkage as given and balanced, and beside a compromise the full balance.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from flexmech.analyses.balance.elastic import (
     elastic_shaking,
     rigid_peaks,
 )
-from flexmech.analyses.balance.request import WEIGHED, BalanceRequest
+from flexmech.analyses.balance.request import EQUAL, WEIGHED, BalanceRequest
 from flexmech.analyses.balance.words import summary_of
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.requests import asks
@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-STATES = ("as given", "balanced")
-"""States of the linkage, along the dimension ``state``."""
+STATES = ("as given", "balanced", "full balance")
+"""States of the linkage, along the dimension ``state``; the last one beside a compromise."""
 
 SCHEMA = schema_of(__package__)
 # Steps of a turn whose harmonics are given.
@@ -63,7 +63,7 @@ def balance_dataset(
     Parameters
     ----------
     states : sequence of Mechanism
-        As given, and balanced.
+        As given, balanced, and fully balanced beside a compromise.
     weights : sequence of Counterweight
     request : BalanceRequest
 
@@ -76,7 +76,7 @@ def balance_dataset(
     if point is None:
         point = shaft_axis(topology, given.linkage.motion(request.crank_angles[:1]))
     values: Values = {
-        "state": list(STATES),
+        "state": list(STATES[: len(states)]),
         "crank_angle": request.crank_angles,
         "component": ["x", "y"],
         "joint": list(topology.joint_names),
@@ -156,7 +156,7 @@ def elastic_variables(found: Sequence[ElasticShaking]) -> xr.Dataset:
             "first_frequency_error": [
                 each.first_frequency * each.frequency_error for each in found
             ],
-            "state": list(STATES),
+            "state": list(STATES[: len(found)]),
             "elastic_angle": found[0].crank_angle,
             "component": ["x", "y"],
         }
@@ -170,7 +170,8 @@ class Balance(Result):
     ----------
     dataset : xarray.Dataset
         The variables of ``schema.toml``: counterweights over ``counterweight``, named by their
-        links; loads before and after over ``state`` ("as given", "balanced"). The attribute
+        links; loads before and after over ``state`` ("as given", "balanced", and beside a
+        compromise "full balance"). The attribute
         ``balanced_model`` is the model file with the counterweights.
     stored_as : mapping of str to str, optional
         Conventions, title, date and command line of the file that it was loaded from.
@@ -266,11 +267,11 @@ _SEARCHED = 1e-8
 def balance(mechanism: Mechanism | Engine, request: BalanceRequest) -> Balance:
     """Find counterweights on crank and follower that keep a linkage from shaking its frame.
 
-    The counterweights of a four-bar make the centre of all masses stand still (Berkof and Lowen,
-    Journal of Engineering for Industry 91, 1969, 21-26), so that rigid links put no force of
-    inertia on the frame at any crank angle and speed. The counterweight on the crank of a
-    slider-crank balances the rotating masses and a share of the reciprocating one. With weights the
-    counterweights are a compromise between shaking force, shaking moment and driving torque.
+    The counterweights of a four-bar are a compromise between shaking force, shaking moment and
+    driving torque, beside its limit: the full balance makes the centre of all masses stand still
+    (Berkof and Lowen, Journal of Engineering for Industry 91, 1969, 21-26), so that rigid links put
+    no force of inertia on the frame at any crank angle and speed. The counterweight of a
+    slider-crank's crank balances the rotating masses and a share of the reciprocating one.
 
     Parameters
     ----------
@@ -291,7 +292,7 @@ def balance(mechanism: Mechanism | Engine, request: BalanceRequest) -> Balance:
     Examples
     --------
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-    >>> found = flexmech.balance(mechanism, 20.0, rigid=True)
+    >>> found = flexmech.balance(mechanism, 20.0, full=True, rigid=True)
     >>> [round(1e3 * float(mass), 2) for mass in found.dataset["counterweight_mass"]]  # g
     [62.83, 64.87]
     """
@@ -299,22 +300,25 @@ def balance(mechanism: Mechanism | Engine, request: BalanceRequest) -> Balance:
     given, report = checked_mechanism(own), request.progress or silent
     weights, remark = counterweights(given, request)
     after = balanced(given, weights)
-    dataset = balance_dataset((given, after), weights, request)
+    states = [given, after]
+    if (limit := full_balance(given, request)) is not None:
+        states.append(balanced(given, limit))
+    dataset = balance_dataset(states, weights, request)
     dataset.attrs |= {
         "aim": remark,
         "balanced_model": balanced_text(after, given, weights, f"Counterweights: {remark}."),
     }
     if not request.rigid and any(not link.rigid for link in given.linkage.topology.links):
         found = []
-        for number, state in enumerate((given, after)):
-            report("elastic links", number, len(STATES))
+        for number, state in enumerate(states):
+            report("elastic links", number, len(states))
             omega = request.speed_of(given)
             try:
                 found.append(elastic_shaking(state, omega, request.moment_point))
             except FlexmechError as error:
                 text = f"elastic links: {error.message}; or ask for rigid ones alone (--rigid)"
                 raise type(error)(text) from error
-        report("elastic links", len(STATES), len(STATES))
+        report("elastic links", len(states), len(states))
         peaks = elastic_peaks(found).assign_coords(state=dataset["state"])
         dataset = xr.merge(
             [dataset, peaks, elastic_variables(found)],
@@ -348,37 +352,82 @@ def counterweights(
     InputError
         If the linkage is none whose counterweights are found.
     """
-    topology = mechanism.linkage.topology
-    linkage = OneCouplerLinkage.of(topology)
-    masses, radii = mechanism.link_masses_in_order, request.radii_of(linkage)
-    lengths = [topology.links[link.number].length for link in linkage.turning]
-    slides = linkage.follower is None
-    if request.weights is None:
-        moments: Sequence[complex] = linkage.balancing_moments(masses, request.share)
-        remark = "full balance of the shaking force (Berkof and Lowen 1969)"
-        if slides:
-            part = f"{100 * request.share:.4g} %"
-            remark = f"balance of the rotating masses and of {part} of the reciprocating mass"
-    else:
-        links = list(zip(linkage.turning, lengths, radii, strict=True))
-        speed = request.speed_of(mechanism)
-        motion = mechanism.linkage.motion(request.crank_angles, speed)
-        asked = request.weights, request.moment_point
-        weighed = WeighedSum.of(mechanism, motion, links, *asked)
-        moments = least_moments(weighed, linkage.balancing_moments(masses))
-        weighted = zip(WEIGHED, request.weights, strict=True)
-        remark = "a compromise with weights of " + ", ".join(
-            f"{weight:g} for {what}" for what, weight in weighted
-        )
-    noise = _NOISE if request.weights is None else _SEARCHED
-    largest = sum(mass.moment(0) * mass.length for mass in masses)
-    found = [
+    linkage = OneCouplerLinkage.of(mechanism.linkage.topology)
+    masses, weights = mechanism.link_masses_in_order, request.weights_of(linkage)
+    if weights is not None:
+        moments, remark = _compromise(mechanism, linkage, weights, request)
+        return _placed(mechanism, linkage, moments, request, _SEARCHED), remark
+    remark = "full balance of the shaking force (Berkof and Lowen 1969)"
+    if linkage.follower is None:
+        part = f"{100 * request.share:.4g} %"
+        remark = f"balance of the rotating masses and of {part} of the reciprocating mass"
+    moments = linkage.balancing_moments(masses, request.share)
+    return _placed(mechanism, linkage, moments, request, _NOISE), remark
+
+
+def full_balance(mechanism: Mechanism, request: BalanceRequest) -> tuple[Counterweight, ...] | None:
+    """Counterweights of the full force balance beside a four-bar's compromise; None without one.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    request : BalanceRequest
+
+    Returns
+    -------
+    tuple of Counterweight or None
+    """
+    linkage = OneCouplerLinkage.of(mechanism.linkage.topology)
+    if linkage.follower is None or request.weights_of(linkage) is None:
+        return None
+    moments = linkage.balancing_moments(mechanism.link_masses_in_order)
+    return _placed(mechanism, linkage, moments, request, _NOISE)
+
+
+def _compromise(
+    mechanism: Mechanism,
+    linkage: OneCouplerLinkage,
+    weights: tuple[float, ...],
+    request: BalanceRequest,
+) -> tuple[Sequence[complex], str]:
+    """First moments of the counterweights with the least weighed sum, and what it weighs."""
+    links = list(
+        zip(linkage.turning, _lengths(mechanism, linkage), request.radii_of(linkage), strict=True)
+    )
+    motion = mechanism.linkage.motion(request.crank_angles, request.speed_of(mechanism))
+    weighed = WeighedSum.of(mechanism, motion, links, weights, request.moment_point)
+    moments = least_moments(weighed, linkage.balancing_moments(mechanism.link_masses_in_order))
+    if weights == EQUAL:
+        *first, last = WEIGHED
+        return moments, f"compromise with equal weights for {', '.join(first)} and {last}"
+    parts = (f"{weight:g} for {what}" for what, weight in zip(WEIGHED, weights, strict=True))
+    return moments, f"compromise with weights of {', '.join(parts)}"
+
+
+def _placed(
+    mechanism: Mechanism,
+    linkage: OneCouplerLinkage,
+    moments: Sequence[complex],
+    request: BalanceRequest,
+    noise: float,
+) -> tuple[Counterweight, ...]:
+    """Counterweights of first moments, at the radii asked for."""
+    largest = sum(mass.moment(0) * mass.length for mass in mechanism.link_masses_in_order)
+    return tuple(
         Counterweight.of_moment(link, length, _clean(moment, noise * largest), radius)
         for link, length, moment, radius in zip(
-            linkage.turning, lengths, moments, radii, strict=True
+            linkage.turning,
+            _lengths(mechanism, linkage),
+            moments,
+            request.radii_of(linkage),
+            strict=True,
         )
-    ]
-    return tuple(found), remark
+    )
+
+
+def _lengths(mechanism: Mechanism, linkage: OneCouplerLinkage) -> list[float]:
+    """Lengths of the links that turn about the ground."""
+    return [mechanism.linkage.topology.links[link.number].length for link in linkage.turning]
 
 
 def _clean(moment: complex, noise: float) -> complex:

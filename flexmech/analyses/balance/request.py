@@ -23,6 +23,9 @@ from flexmech.validation import (
 WEIGHED = ("shaking force", "shaking moment", "driving torque")
 """Quantities that a compromise weighs, in the order of its weights."""
 
+EQUAL = (1.0, 1.0, 1.0)
+"""Weights of the compromise for a four-bar, if none are asked for."""
+
 
 class BalanceRequest(BalanceOptions):
     """Checked request of counterweights: their purpose and their places.
@@ -51,6 +54,8 @@ class BalanceRequest(BalanceOptions):
         if self.share > 1:
             raise InputError(f"share: must be 0 to 1, got {self.share:g}")
         object.__setattr__(self, "moment_point", checked_point(self.moment_point))
+        if self.full and self.weights is not None:
+            raise InputError("full: weights ask for a compromise; give one of both")
         if self.weights is not None:
             object.__setattr__(self, "weights", _checked_weights(self.weights))
         if self.radii is not None:
@@ -76,6 +81,33 @@ class BalanceRequest(BalanceOptions):
         """Unit in which the result for a mechanism speaks of crank speeds."""
         own = mechanism.speed_unit if self.speed is None else RAD_S
         return self.speed_unit or own
+
+    def weights_of(self, linkage: OneCouplerLinkage) -> tuple[float, ...] | None:
+        """Weights of the compromise for a linkage; None for a balance of force alone.
+
+        Parameters
+        ----------
+        linkage : OneCouplerLinkage
+
+        Returns
+        -------
+        tuple of float or None
+
+        Raises
+        ------
+        InputError
+            If the full balance of a slider-crank is asked for.
+        """
+        if linkage.follower is None:
+            if self.full:
+                raise InputError(
+                    "full: a slider-crank's counterweight balances a share of its reciprocating "
+                    "mass; give that, as in share 1"
+                )
+            return None if self.weights is None else tuple(self.weights)
+        if self.full:
+            return None
+        return EQUAL if self.weights is None else tuple(self.weights)
 
     def radii_of(self, linkage: OneCouplerLinkage) -> tuple[float, ...]:
         """Radius of the counterweight of each turning link of a linkage, in m.

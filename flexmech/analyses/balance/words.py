@@ -31,20 +31,22 @@ _ALONG = 1e-6
 
 
 class _Change(NamedTuple):
-    """A number as given and balanced, in a unit."""
+    """A number as given and balanced, in a unit, and beside a compromise fully balanced."""
 
     name: str
     what: str
     unit: str
     before: float
     after: float
+    limit: float | None = None
 
     def row(self) -> Row:
         """For the table."""
         texts = tuple(self.text(value) for value in (self.before, self.after))
         change = 100 * (self.after / self.before - 1) if self.before else float("nan")
-        change_text = f"{change:+.1f}" if np.isfinite(change) else ""
-        return (self.what, self.unit, *texts, change_text)
+        percentage = f"{change:+.1f}" if np.isfinite(change) else ""
+        limit = () if self.limit is None else (self.text(self.limit),)
+        return (self.what, self.unit, *texts, percentage, *limit)
 
     def text(self, value: float) -> str:
         """A value, zero where it is round-off of the other."""
@@ -76,7 +78,7 @@ def summary_of(data: xr.Dataset) -> Summary:
     speed = crank_speed_text(data.attrs)
     table = Table(
         f"greatest values, {data.attrs['mechanism']} at {speed}",
-        ("what", "unit", "as given", "balanced", "change %"),
+        ("what", "unit", "as given", "balanced", "change %", *map(str, data["state"].values[2:])),
         (tuple(one.row() for one in changes.values()),),
         text_columns=2,
     )
@@ -103,8 +105,8 @@ def _answer(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[str, ...]:
         f"{_elastic_words(changes)}."
     )
     joints = _joint_changes(data)
-    greatest = (max(values) for values in zip(*(one[-2:] for one in joints), strict=True))
-    worst = _Change("joint_force", "", "N", *greatest)
+    before, after = (max(getattr(one, of) for one in joints) for of in ("before", "after"))
+    worst = _Change("joint_force", "", "N", before, after)
     costs = [
         f"the peak driving torque {changes['driving_torque'].words()}",
         f"the greatest joint force {worst.words()}",
@@ -113,6 +115,14 @@ def _answer(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[str, ...]:
         costs.append(f"the first natural frequency {first.words()}")
     added = plain(changes["moving_mass"].after - changes["moving_mass"].before)
     said.append(f"Cost: {added} g more moving mass; {', '.join(costs)}.")
+    mass, torque = changes["moving_mass"], changes["driving_torque"]
+    if force.limit is not None and moment.limit is not None and torque.limit is not None:
+        more = plain((mass.limit or 0.0) - mass.before)
+        said.append(
+            f"Limit, full balance of the force (--full): {force.text(force.limit)} N with rigid "
+            f"links for {more} g; shaking moment {moment.text(moment.limit)} N m, peak driving "
+            f"torque {torque.text(torque.limit)} N m."
+        )
     return tuple(said)
 
 
@@ -245,6 +255,7 @@ def _numbers(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[Quantity, .
     ]
     for one in changes.values():
         peak = "" if one.name in ("first_frequency", "moving_mass") else "peak_"
-        for state, value in zip(("as given", "balanced"), (one.before, one.after), strict=True):
+        states = zip(("as given", "balanced", "full balance"), one[3:], strict=True)
+        for state, value in ((state, value) for state, value in states if value is not None):
             numbers.append(Quantity(f"{peak}{one.name}", value, one.unit, of=state))
     return tuple(numbers)

@@ -18,8 +18,6 @@ from flexmech.analyses.details import (
     Range,
     details_table,
     engines_line,
-    lies_in,
-    operating_speeds,
     ranges_text,
     speed_name,
 )
@@ -34,7 +32,7 @@ from flexmech.analyses.summary import (
     warnings_of,
 )
 from flexmech.arrays import FloatArray, unbroken_runs
-from flexmech.plots.reading import merged, speed_unit, terms_text
+from flexmech.plots.reading import lies_in, merged, operating_speeds, speed_unit, terms_text
 from flexmech.units import from_si
 
 PARTS = ("lowest_frequency", "mean_frequency", "highest_frequency")

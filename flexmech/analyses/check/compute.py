@@ -204,7 +204,8 @@ class ModelCheck(Result):
                 numbers.append(
                     Quantity(f"{name}_transmission_angle", value, "deg", ROUND_OFF * value)
                 )
-        return tuple(numbers)
+        grams = 1e3 * float(self.dataset["total_mass"])
+        return (*numbers, Quantity("total_mass", grams, "g", ROUND_OFF * grams))
 
     def _trust(self) -> str:
         """How far the frequencies are known; there is nothing to doubt in what was read."""
@@ -307,6 +308,7 @@ def check_mechanism(mechanism: Engine | Mechanism, asked: CheckOptions) -> Model
         linkage_in_short=linkage_in_short(mechanism.linkage),
         without_frequencies="",
     )
+    dataset["total_mass"] = mechanism.total_mass
     at = 0.0 if crank_angle is None else checked_number(crank_angle, "crank_angle", "rad")
     dataset["frequency_angle"] = at
     frequency = None

@@ -10,6 +10,7 @@ import xarray as xr
 
 from flexmech.analyses.aspects.law import law_attributes, law_values
 from flexmech.analyses.aspects.motor import motor_attributes, motor_values, settled_values
+from flexmech.analyses.aspects.motor_choice import DrivenShaft, candidate_values
 from flexmech.analyses.aspects.shaking import harmonic_values, shaft_torque, shaking_of
 from flexmech.analyses.aspects.sizing import Driven, sizing_values
 from flexmech.analyses.check.remarks import turns_fully
@@ -88,6 +89,9 @@ def kinematics(mechanism: Mechanism | Engine, request: KinematicsRequest) -> Kin
     if request.crank_acceleration:
         _refuse_loads_over_time(mechanism)
 
+    if request.motors is not None:
+        _refuse_motors(request, speed)
+
     if request.law is not None:
         return Kinematics(_along_law(mechanism, request.law, request))
 
@@ -144,6 +148,11 @@ def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -
         driven.append(Driven("motor", values["motor_torque"], values["motor_speed"]))
         values |= settled_values(drive, mechanism)
         attributes |= motor_attributes(drive)
+    if request.motors is not None:
+        shaft = driven[0]
+        acceleration = drive.crank_acceleration(time)
+        angles = forces.motion.crank_angle
+        values |= _candidates(mechanism, request, time, angles, shaft, acceleration)
     values |= sizing_values(time, driven, forces.joint_force, drive)
     return SCHEMA.dataset(values, "time").assign_attrs(attributes)
 
@@ -175,15 +184,49 @@ def _over_steps(
     try:
         forces, _ = at(angles)
     except InputError:
+        if request.motors is not None:
+            raise
         # A dead point that is between the angles asked for.
         return {}
     shaft = Driven("shaft", forces.driving_torque, np.full_like(angles, speed))
     values = sizing_values(angles, [shaft], forces.joint_force)
+    if request.motors is not None:
+        still = np.zeros_like(angles)
+        values |= _candidates(mechanism, request, angles, angles, shaft, still)
     if whole:
         found = shaking_of(mechanism, forces, request.moment_point)
         turn = ShakingForce(found.force[:-1], found.moment[:-1], found.point)
         values |= harmonic_values(turn, angles[:-1])
     return values
+
+
+def _candidates(
+    mechanism: Mechanism,
+    request: KinematicsRequest,
+    place: FloatArray,
+    angles: FloatArray,
+    shaft: Driven,
+    acceleration: FloatArray,
+) -> Values:
+    """Motors of the catalogue against the shaft at crank angles (N,) of one run."""
+    # Torque for an acceleration of 1 rad/s^2 beside that of the linkage at rest: loads cancel.
+    moved, held = (
+        mechanism.inverse_dynamics(mechanism.linkage.motion(angles, 0.0, rate), 0.0 * angles)
+        for rate in (1.0, 0.0)
+    )
+    inertia = moved.driving_torque - held.driving_torque + mechanism.shaft_inertia
+    driven = DrivenShaft(place, shaft.torque, shaft.speed, acceleration, inertia)
+    return candidate_values(request.catalogue, driven)
+
+
+def _refuse_motors(request: KinematicsRequest, speed: float) -> None:
+    if isinstance(request.law, MotorRun):
+        raise InputError(
+            "motors: the linkage is under a motor already, whose size is in sizing.csv; give a "
+            "speed or a law of motion"
+        )
+    if request.law is None and not speed:
+        raise InputError("motors: at rest no motor is needed; give a crank speed other than zero")
 
 
 def _on_turning(mechanism: Mechanism, request: KinematicsRequest) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from os import PathLike
 
 import numpy as np
 
@@ -10,9 +11,10 @@ from flexmech.analyses.aspects.shaking import checked_point
 from flexmech.analyses.crank_speeds import RAD_S, one_rad_per_s
 from flexmech.analyses.options import EVERY_DEGREE, KinematicsOptions
 from flexmech.analyses.requests import in_radians
-from flexmech.errors import InputError
+from flexmech.errors import InputError, naming
 from flexmech.linkages import Drive, MotorDrive
 from flexmech.mechanism import Mechanism, motor_run
+from flexmech.modelfile import CatalogueMotor, motor_catalogue
 from flexmech.validation import check_count, check_number, checked_tuple
 
 # Elements of a link whose mass is lumped: with so many the inertia force is the distributed one to
@@ -62,6 +64,25 @@ class KinematicsRequest(KinematicsOptions):
                         "distributed mass is what they tend to"
                     )
             object.__setattr__(self, "lumped", counts)
+        if self.motors is not None:
+            self._check_motors()
+
+    def _check_motors(self) -> None:
+        """Read a catalogue that is named; refuse one where nothing runs by itself."""
+        motors = self.motors or ()
+        if isinstance(motors, str | PathLike):
+            with naming("motors"):
+                motors = motor_catalogue(motors)
+        remedy = "give what flexmech.modelfile.motor_catalogue returns, or the path of a CSV file"
+        motors = checked_tuple(motors, CatalogueMotor, "motors", remedy)
+        if not motors:
+            raise InputError(f"motors: there is none; {remedy}")
+        object.__setattr__(self, "motors", motors)
+        if self.crank_acceleration or len(self.crank_angles) == 1:
+            raise InputError(
+                "motors: a motor is judged over one run; leave crank_acceleration out, and ask for "
+                "two crank angles or more"
+            )
 
     def _check_drive(self, drive: Drive | MotorDrive) -> None:
         usual = EVERY_DEGREE()
@@ -72,6 +93,13 @@ class KinematicsRequest(KinematicsOptions):
                 "speed: a law of motion has its own angles, acceleration and unit; leave these "
                 "out, or give a speed in place of the law"
             )
+
+    @property
+    def catalogue(self) -> tuple[CatalogueMotor, ...]:
+        """Motors to choose from, which were read."""
+        motors = self.motors or ()
+        assert isinstance(motors, tuple)
+        return motors
 
     @property
     def drive(self) -> Drive | MotorDrive | None:

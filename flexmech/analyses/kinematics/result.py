@@ -11,6 +11,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.aspects.law import law_aspect
 from flexmech.analyses.aspects.motor import motor_aspect
+from flexmech.analyses.aspects.motor_choice import motor_choice_aspect
 from flexmech.analyses.aspects.shaking import harmonics_line, point_text
 from flexmech.analyses.aspects.sizing import sizing_aspect
 from flexmech.analyses.datasets import DEGREES
@@ -100,7 +101,13 @@ class Kinematics(Result):
         rigid = Aspect(
             _answer(data, extremes), table, (warning,) if warning else (), _numbers(data, extremes)
         )
-        others = (_notes(data, extremes), sizing_aspect(data), law_aspect(data), motor_aspect(data))
+        others = (
+            motor_choice_aspect(data),
+            _notes(data, extremes),
+            sizing_aspect(data),
+            law_aspect(data),
+            motor_aspect(data),
+        )
         return Summary.of((rigid, *others), _table(data, extremes), _trust(data), most=_SENTENCES)
 
 

@@ -15,9 +15,7 @@ from flexmech.analyses.details import (
     Range,
     details_table,
     engines_line,
-    lies_in,
     notes_of,
-    operating_speeds,
     ranges_text,
     speed_name,
 )
@@ -39,7 +37,7 @@ from flexmech.analyses.summary import (
     warnings_of,
 )
 from flexmech.arrays import FloatArray, unbroken_runs
-from flexmech.plots.reading import speed_unit
+from flexmech.plots.reading import lies_in, operating_speeds, speed_unit
 from flexmech.units import from_si
 
 # Bands of an engine that the table shows; of more, the fastest growing.

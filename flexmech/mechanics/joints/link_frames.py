@@ -295,43 +295,16 @@ class LinkFrames(LinkTies):
             ``q = N z``, ``N z' + N' z`` and ``N z'' + 2 N' z' + N'' z`` of each link.
         """
         z, result = np.stack([position, velocity, acceleration], axis=-1), []
-        for link, moving in enumerate(self.link_coordinates(motion, z)):
+        coordinates, ties = self.link_coordinates(motion, z), self.dependent_rows(motion)
+        for moving, tie in zip(coordinates, ties, strict=True):
             q, rate, change = np.ascontiguousarray(np.moveaxis(moving, -1, 0))
-            rows, turning, changing = self.end_rates(motion, link, z, RotationTerms())
-            rate[:, rows] += turning[..., 0]
-            change[:, rows] += 2 * turning[..., 1] + changing[..., 0]
+            determining = z[:, tie.columns]
+            turning = tie.rate @ determining
+            changing = tie.acceleration(RotationTerms()) @ determining
+            rate[:, tie.rows] += turning[..., 0]
+            change[:, tie.rows] += 2 * turning[..., 1] + changing[..., 0]
             result.append((q, rate, change))
         return result
-
-    def end_rates(
-        self,
-        motion: RigidMotion,
-        link: int,
-        vectors: NDArray[Any],
-        terms: RotationTerms,
-    ) -> tuple[IntArray, NDArray[Any], NDArray[Any]]:
-        """How the dependent ends of a link move in its frame while z is constant.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        link : int
-        vectors : ndarray, shape (B, size, m)
-            Independent coordinates z.
-        terms : RotationTerms
-            Which parts of the second derivative count.
-
-        Returns
-        -------
-        rows : ndarray of int, shape (k,)
-            Coordinates of the ends; all others stand.
-        rate, change : ndarray, shape (B, k, m)
-            ``N' z`` and ``N'' z`` in these rows.
-        """
-        tie = self.dependent_rows(motion)[link]
-        determining = vectors[:, tie.columns]
-        return tie.rows, tie.rate @ determining, tie.acceleration(terms) @ determining
 
     def by_independent(
         self,

@@ -310,7 +310,7 @@ def constraint_modes(
 
     Parameters
     ----------
-    stiffness : ndarray, shape (n, n) or (B, n, n)
+    stiffness : ndarray, shape (n, n)
     unit : ndarray, shape (n, b)
         Unit displacements of the boundary.
     inner : ndarray of int, shape (i,)
@@ -318,12 +318,12 @@ def constraint_modes(
 
     Returns
     -------
-    ndarray, shape (..., n, b)
-    ndarray, shape (..., n, n)
+    ndarray, shape (n, b)
+    ndarray, shape (n, n)
         Zero in what is fixed.
     """
     flexibility = np.zeros_like(stiffness)
-    grid = (..., inner[:, None], inner)
+    grid = np.ix_(inner, inner)
     flexibility[grid] = np.linalg.inv(stiffness[grid])
     return unit - flexibility @ (stiffness @ unit), flexibility
 

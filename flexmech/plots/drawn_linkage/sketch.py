@@ -319,7 +319,8 @@ class LinkageSketch(Posture):
         found = []
         for body in self.parts.bodies:
             place, centre = self.place(body["at"]), self.centre(body)
-            found += symbols.body(place, centre, color, self.mark_size)
+            outline = self.outline(body)
+            found += symbols.body(place, centre, outline, color, self.mark_size)
         largest = max((mass["kg"] for mass in self.parts.masses), default=0.0)
         for mass in self.parts.masses:
             area = self.mark_size**2 * LARGEST_MARK * mass["kg"] / largest

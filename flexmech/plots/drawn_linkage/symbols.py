@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.transforms import Transform
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.plots.drawn_linkage import symbols
@@ -282,13 +282,17 @@ def spiral(place: FloatArray, radius: float) -> Symbol:
     return Symbol("torsional spring", places, {"color": "0.25", "lw": 0.7, "zorder": 3.8})
 
 
-def body(place: FloatArray, centre: FloatArray, look: Look, size: float) -> list[Symbol]:
+def body(
+    place: FloatArray, centre: FloatArray, outline: FloatArray, look: Look, size: float
+) -> list[Symbol]:
     """An attached body: a crossed circle at its centre of mass, joined to its section.
 
     Parameters
     ----------
     place, centre : ndarray, shape (2,)
         Where the body is fixed, and its centre of mass, in m.
+    outline : ndarray, shape (n, 2)
+        Its corners in m; empty of a body without an outline.
     look : dict
         With its ``color``.
     size : float
@@ -300,7 +304,9 @@ def body(place: FloatArray, centre: FloatArray, look: Look, size: float) -> list
     """
     mark: Look = {"ls": "", "ms": 7.0 * size, "mew": 0.9, "zorder": 3.5}
     circle, cross = mark | {"marker": "o", "mfc": "white"}, mark | {"marker": "+"}
+    plate: Look = {"fc": look["color"], "ec": look["color"], "alpha": 0.25, "zorder": 0.7}
     return [
+        *([Symbol("plate", outline, plate, filled=True)] if len(outline) else []),
         Symbol("body", np.array([place, centre]), {"lw": 1.6, "zorder": 1.4} | look),
         Symbol("body", centre[None], circle | {"mec": look["color"]}),
         Symbol("body", centre[None], cross | {"mec": look["color"]}),
@@ -562,10 +568,18 @@ class Posture:
         """Where an end of a spring is."""
         return np.array(end["ground"], dtype=float) if "ground" in end else self.place(end["at"])
 
+    def carried(self, body: Part, points: ArrayLike) -> FloatArray:
+        """Where points (..., 2) are that an attached body has along and across its link."""
+        frame = self.turned(int(body["at"][0]))
+        return np.asarray(self.place(body["at"]) + np.asarray(points) @ frame.T)
+
     def centre(self, body: Part) -> FloatArray:
         """Where the centre of mass of an attached body is."""
-        frame = self.turned(int(body["at"][0]))
-        return np.asarray(self.place(body["at"]) + frame @ np.array(body["offset"]))
+        return self.carried(body, body["offset"])
+
+    def outline(self, body: Part) -> FloatArray:
+        """Where the corners (n, 2) of an attached body are; none of one without an outline."""
+        return self.carried(body, np.reshape(body.get("outline", []), (-1, 2)))
 
     def force(self, load: Part) -> FloatArray:
         """Force of a load in ground axes."""

@@ -55,9 +55,9 @@
     byId("amplitude").addEventListener("input", redrawSoon);
     byId("show-run").addEventListener("change", () => { writeLegend(); redrawSoon(); });
     byId("play").addEventListener("click", play);
+    const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+    if (document.body.classList.contains("brief") && !still) play();
   }
-
-  let playing = false;
 
   function play() {
     playing = !playing;

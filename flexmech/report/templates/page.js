@@ -12,6 +12,7 @@
   let linkage = null;
   let readings = [];
   let pending = false;
+  let playing = false;
 
   function decoded(text) {
     const letters = atob(text);

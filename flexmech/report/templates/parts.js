@@ -29,12 +29,14 @@
       }
     }
     for (const body of given.parts.bodies) {
+      const plate = element("polygon", { class: "plate" }, group);
       const arm = element("polyline", { class: "spring" }, group);
       const mark = element("path", { class: "body", d: `M${-SIZES.mark * size} 0h${2 * SIZES.mark * size}M0 ${-SIZES.mark * size}v${2 * SIZES.mark * size}M${SIZES.mark * size} 0A${SIZES.mark * size} ${SIZES.mark * size} 0 1 1 ${-SIZES.mark * size} 0A${SIZES.mark * size} ${SIZES.mark * size} 0 1 1 ${SIZES.mark * size} 0` }, group);
       name(mark, `body of ${body.kg} kg`);
       made.push((frames) => {
         const link = body.at[0];
         const along = body.at[1] * given.links[link].length;
+        setPoints(plate, body.outline.map(([x, y]) => pointOf(frames[link], along + x, y)));
         const centre = pointOf(frames[link], along + body.offset[0], body.offset[1]);
         setPoints(arm, [pointOf(frames[link], along, 0), centre]);
         moveTo(mark, centre);
