@@ -1,4 +1,4 @@
-"""What can be chosen by name: the words of requests, of engines and of command-line options.
+"""Choices by name: the words of requests, of engines and of command-line options.
 
 They stand on the ground floor and import nothing, so that the command line can list them without
 waiting for a library.
@@ -43,7 +43,7 @@ MassChoice = Literal["distributed", "lumped"]
 MASSES: tuple[MassChoice, ...] = get_args(MassChoice)
 
 Store = Literal["needed", "all"]
-"""What a stored response holds: what pictures and comparisons need, or all there is."""
+"""Content of a stored response: the part for pictures and comparisons, or all there is."""
 Integrator = Literal["trapezoidal", "generalized-alpha"]
 """Time integration of a simulation."""
 STORES: tuple[Store, ...] = get_args(Store)
@@ -60,7 +60,7 @@ ShapedFor = Literal["end", "path"]
 SHAPED_FOR: tuple[ShapedFor, ...] = get_args(ShapedFor)
 
 CriterionName = Literal["max-stress", "tsai-hill", "tsai-wu", "hashin", "puck", "von-mises"]
-"""By which the layers of a link are judged."""
+"""Failure criteria for the layers of a link."""
 CRITERIA: tuple[CriterionName, ...] = get_args(CriterionName)
 
 LoadSource = Literal["quasi-static", "periodic", "transient", "rigid"]
@@ -73,7 +73,7 @@ TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm", "slider
 ReportPart = Literal[
     "frequencies", "campbell", "response", "kinematics", "coupler-curve", "section", "moisture"
 ]
-"""What can go into a report."""
+"""Sections of a report."""
 REPORT_PARTS: tuple[ReportPart, ...] = get_args(ReportPart)
 
 PictureFormat = Literal["png", "pdf", "svg"]

@@ -65,7 +65,7 @@ class Speeds:
         return speed
 
     def keywords(self, name: str = "speed") -> dict[str, Any]:
-        """What an analysis is given: numbers in their unit, of ``"speed"`` one, or the drive."""
+        """Numbers for an analysis in their unit, of ``"speed"`` one, or the drive."""
         if self.drive is not None:
             return {name: self.drive}
         return {name: self.single if name == "speed" else self.numbers, "speed_unit": self.unit}
@@ -93,7 +93,7 @@ class UsualSpeeds:
     or_drive: bool = False
 
     def __call__(self, mechanism: Any) -> FloatArray:
-        """Those of a mechanism in rad/s; refused where it names no speed at which it turns."""
+        """Speeds of a mechanism in rad/s; refused where it names no speed at which it turns."""
         import numpy as np
 
         greatest = max(mechanism.operating_speeds, key=abs, default=0.0)

@@ -76,7 +76,7 @@ class FlexmechError(Exception):
 
 
 class InputError(FlexmechError, ValueError):
-    """What was asked for cannot be: a wrong file, value, option or geometry."""
+    """Invalid input: a wrong file, value, option or geometry."""
 
     exit_code = 2
 
@@ -90,7 +90,7 @@ class LockingError(InputError):
 
 
 class ComputationError(FlexmechError, RuntimeError):
-    """What was asked for is well posed, but the computation failed."""
+    """A computation that failed on valid input."""
 
 
 def missing_extra(use: str, package: str, extra: str, otherwise: str = "") -> InputError:

@@ -43,7 +43,7 @@ class Plausible:
 
     @property
     def words(self) -> str:
-        """What lies between which sizes."""
+        """Sentence on the sizes between which the quantity lies."""
         what = self.what or self.dimension.name
         if self.least:
             return f"{what} here lies between {self.least} and {self.most}"

@@ -119,7 +119,7 @@ def base_units_by_pint(unit: str) -> BaseUnits | None:
 
 
 def zero_of_scale(unit: str) -> Decimal:
-    """What a temperature scale counts from, above absolute zero, in its own degrees."""
+    """Zero of a temperature scale above absolute zero, in its own degrees."""
     registry = _registry()
     zero = registry.Quantity(Decimal(0), registry.parse_units(unit)).to("kelvin").magnitude
     found = base_units(unit)

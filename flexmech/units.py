@@ -95,7 +95,7 @@ _REPR.maxstring = _REPR.maxother = 100
 
 
 def shown(text: object) -> str:
-    """What was given, as a message shows it."""
+    """The given value, as a message shows it."""
     return _REPR.repr(text)
 
 

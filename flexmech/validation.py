@@ -47,7 +47,7 @@ class Bounds:
 
     @property
     def words(self) -> str:
-        """What a number must do or be."""
+        """Condition on a number."""
         if self.below is None and self.most is None:
             if self.above is None and self.least is None:
                 return "be a number"

@@ -1,4 +1,4 @@
-"""Which beam theory the engines follow, why, and what it leaves out: in words, for results."""
+"""Beam theory that the engines follow, its reason and its error: in words, for results."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def theory_warnings(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
 
 
 def theory_reason(attributes: Mapping[Any, Any]) -> str:
-    """What an agreement of the engines ends with where their theories differ, else nothing."""
+    """End of an agreement of the engines where their theories differ, else empty."""
     reason = attributes.get(REASON, "")
     return f"; {reason}" if reason else ""
 
@@ -121,7 +121,7 @@ def _left_out(engine: Engine, comparison: TheoryComparison) -> str:
 
 
 def _compressed(comparison: TheoryComparison) -> str:
-    """From which mode on soft layers are compressed, which no beam knows; nothing if in none."""
+    """First mode for which soft layers are compressed, which no beam knows; empty if in none."""
     if comparison.difference("euler", "timoshenko").value <= NEGLIGIBLE:
         return ""
     mode, compression = comparison.compressed_from, comparison.compression()
@@ -135,7 +135,7 @@ def _compressed(comparison: TheoryComparison) -> str:
 
 
 def _off_axis(engine: Engine) -> list[str]:
-    """What links of off-axis plies do that an engine's beams do not, or not in all modes."""
+    """Effects of off-axis plies that an engine's beams leave out, in all modes or in some."""
     mechanism = engine.mechanism
     warnings, joined = [], mechanism.linkage.topology.joined_ends
     for name, section in mechanism.sections.items():
@@ -150,7 +150,7 @@ def _off_axis(engine: Engine) -> list[str]:
 
 
 def _restrained_line(link: str, section: BeamSection, restrained: RestrainedEnds | None) -> str:
-    """What a link that bends and twists as in three dimensions is taken to be held by."""
+    """End condition of a link that bends and twists as in three dimensions."""
     assert section.layers is not None
     assert restrained is not None
     free = replace(section.layers.smeared, twist="free")
@@ -166,7 +166,7 @@ def _restrained_line(link: str, section: BeamSection, restrained: RestrainedEnds
 
 
 def _one_stiffness(engine: Engine, comparison: TheoryComparison) -> str:
-    """What one stiffness of off-axis plies does to the linkage; nothing if that is negligible."""
+    """Effect of one stiffness of off-axis plies on the linkage; empty if negligible."""
     if engine.restrains_ends or not _restrained_links(engine):
         return ""
     found = comparison.difference("timoshenko", RESTRAINED_ENDS)
@@ -222,7 +222,7 @@ def _smeared(section: BeamSection) -> LaminateSection | None:
 
 
 def _gain_by_twist(layers: LaminateSection) -> float:
-    """By which part holding the twist raises the first bending frequency."""
+    """Relative rise of the first bending frequency by holding the twist."""
     free, restrained = (replace(layers, twist=twist).bending_stiffness for twist in TWISTS)
     return float(np.sqrt(restrained / free)) - 1
 
@@ -252,7 +252,7 @@ def _twist(link: str, section: BeamSection) -> str:
 
 
 def _more_complete(first: Engine, second: Engine) -> str:
-    """Which of two engines to trust: that whose theory leaves out less."""
+    """The engine to trust: that whose theory leaves out less."""
     coarse, fine = sorted((first, second), key=lambda engine: LEAVES_OUT_LESS.index(engine.theory))
     if {coarse.theory, fine.theory} == SHEARS:
         return ""

@@ -148,7 +148,7 @@ def own_speeds(mechanism: Mechanism, usual: Callable[[Mechanism], FloatArray]) -
 
 
 def speeds_taken(mechanism: Mechanism, speeds: FloatArray) -> str:
-    """Which crank speeds were taken where none were asked for, in one line.
+    """Crank speeds that were taken where none were asked for, in one line.
 
     Parameters
     ----------

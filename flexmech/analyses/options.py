@@ -1,4 +1,4 @@
-"""What can be asked of each analysis: the keywords of its function, the options of its command.
+"""Options of each analysis: the keywords of its function, the options of its command.
 
 A field with a mark of :mod:`flexmech.analyses.typed` is an option as well. Its help is the first
 paragraph of the field's entry in the docstring, and how its value is typed; what stands in further
@@ -89,7 +89,7 @@ class Options:
 
 @dataclass(frozen=True)
 class DeclaredOption:
-    """What a field says of an option.
+    """Declaration of an option by its field.
 
     Parameters
     ----------

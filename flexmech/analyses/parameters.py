@@ -1,4 +1,4 @@
-"""What of a mechanism and its surroundings can be changed by name."""
+"""Quantities of a mechanism and its surroundings that can be changed by name."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Parameters:
         return self.stated.texts
 
     def dimension(self, name: str) -> Dimension:
-        """What a parameter is.
+        """Kind of a parameter.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What is asked of an analysis, checked where it comes in: angles, engines, links, modes."""
+"""Checks of requests where they come in: angles, engines, links, modes."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def engine_of(value: Engine | Mechanism, *, elastic: bool = True) -> Engine:
 
 
 Engines = Engine | Mechanism | Sequence[Engine | Mechanism]
-"""What analyses take: of a mechanism, or of each of several, the reference engine is made."""
+"""Input of analyses: for a mechanism, or each of several, the reference engine is made."""
 
 
 def engines_of(

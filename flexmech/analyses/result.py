@@ -69,7 +69,7 @@ def file_attributes(title: str, command_line: str = "") -> dict[str, str]:
 
 
 def netcdf_bytes(dataset: xr.Dataset, attributes: Mapping[str, str]) -> bytes:
-    """What a file of a dataset holds, its large variables compressed without loss.
+    """Content of a file of a dataset, its large variables compressed without loss.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ DOTS_PER_INCH = 200
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result(ABC):
-    """What an analysis has found.
+    """Result of an analysis.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ class Result(ABC):
     stem: ClassVar[str]
     """Name of the NetCDF file, without its ending."""
     subject: ClassVar[str] = "result"
-    """What it is, in the title of its NetCDF file."""
+    """Name of the result in the title of its NetCDF file."""
     hallmark: ClassVar[str]
     """Variable that a result of this kind holds."""
     files: ClassVar[tuple[str, ...]] = ()
@@ -271,7 +271,7 @@ class Result(ABC):
 
     @abstractmethod
     def summary(self) -> Summary:
-        """What was found, in tables and lines."""
+        """Summary in tables and lines."""
 
     @abstractmethod
     def plot(self, *, ax: Axes | None = None) -> Figure:
@@ -283,12 +283,12 @@ class Result(ABC):
 
     @property
     def title(self) -> str:
-        """What it is, and of which mechanism."""
+        """Name of the result, and of its mechanism."""
         mechanism = self.dataset.attrs.get("mechanism", "")
         return f"{self.subject} of {mechanism}" if mechanism else self.subject
 
     def datasets(self) -> dict[str, xr.Dataset]:
-        """What the NetCDF files hold, by their names without the ending."""
+        """Datasets of the NetCDF files, by their names without the ending."""
         return {self.stem: self.dataset}
 
     @classmethod

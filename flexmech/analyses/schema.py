@@ -1,4 +1,4 @@
-"""What a result holds, declared once: its variables, the tables of its CSV files, its pictures.
+"""Schema of a result, declared once: its variables, the tables of its CSV files, its pictures.
 
 A folder of an analysis has a file ``schema.toml``; what several analyses report stands in the files
 of ``flexmech/analyses/aspects``, which it names under ``aspects``. Labels of NetCDF files, CSV

@@ -1,4 +1,4 @@
-"""What a result says in words: tables and lines, for a terminal, a notebook or a script.
+"""Summaries of results: tables and lines, for a terminal, a notebook or a script.
 
 Remarks name the conditions: heat and moisture, and loads that are left out. The last line says how
 far the printed numbers are known, and whether the engines agree.
@@ -101,7 +101,7 @@ def _number(cell: str) -> float | str | None:
 
 @dataclass(frozen=True)
 class Aspect:
-    """What a result says of one thing, such as a motor: its share of a summary.
+    """Share of one thing, such as a motor, in the summary of a result.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ class Aspect:
 
 @dataclass(frozen=True)
 class Summary:
-    """What a result says in words: the answer first, and all else on request.
+    """Summary of a result: the answer first, and all else on request.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ class Summary:
 
 
 def state_name(environment: Environment) -> str:
-    """What a result calls the state in an environment beside ``"dry"``."""
+    """Name of the state in an environment beside ``"dry"``."""
     # An environment without heat and moisture is labelled dry too.
     return "wet" if environment.label == "dry" else environment.label
 
@@ -235,7 +235,7 @@ def state_name(environment: Environment) -> str:
 def environment_lines(
     mechanism: Mechanism, environment: Environment | None, *, lengths_alone: bool = False
 ) -> list[str]:
-    """What heat and moisture make of each link.
+    """Effects of heat and moisture on each link.
 
     Parameters
     ----------
@@ -380,7 +380,7 @@ class EngineDifference:
         allowed: Sequence[float] | FloatArray,
         of: Sequence[str] = (),
     ) -> EngineDifference:
-        """That of the number of many which errors explain least.
+        """The number of many that errors explain least.
 
         Parameters
         ----------
@@ -405,7 +405,7 @@ class EngineDifference:
 def least_explained(
     apart: Sequence[float] | FloatArray, allowed: Sequence[float] | FloatArray
 ) -> int:
-    """Which difference of two engines is farthest beyond their errors; the greatest if none is.
+    """Difference of two engines that is farthest beyond their errors; the greatest if none is.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What users type after each option, to SI values: its unit, its limits and the remedy."""
+"""Typed values of options as SI values: unit, limits and remedy."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Typed:
     also: str = ""
 
     def __call__(self, text: str | None) -> Any:
-        """What the text says; None where the option was left out."""
+        """Value of the text; None where the option was left out."""
         if text is None:
             return None
         with naming(self.option):

@@ -131,7 +131,7 @@ class _Commands(TyperGroup):
 
 
 def _usage_line(error: Any) -> str:
-    """What is wrong with a command line, or the help where nothing was asked for."""
+    """Error of a command line, or the help where nothing was asked for."""
     message = error.format_message()
     if message.startswith("Usage:"):
         return str(message)

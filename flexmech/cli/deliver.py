@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from flexmech.mechanism import Mechanism
 
 Printing = Literal["answer", "details", "json", "nothing"]
-"""What is printed of a summary, and how."""
+"""Printed part of a summary, and its form."""
 
 SUMMARIES = "summary.txt"
 """File beside the others that holds what every command has found in a folder."""
@@ -71,7 +71,7 @@ def mechanism_of(model: Path) -> Mechanism:
 
 @dataclass(frozen=True)
 class Pictures:
-    """What pictures a command writes; no formats where none are wanted."""
+    """Pictures that a command writes; no formats where none are wanted."""
 
     formats: tuple[PictureFormat, ...] = ("png",)
     width: PageWidth = "two-column"

@@ -153,8 +153,8 @@ def report(
             results = stored_results(source)
         else:
             mechanism, over = mechanism_of(model), keywords.pop("campbell_speeds")
-            given, own = given_speeds(ReportOptions, keywords, mechanism)
-            speeds = own or speeds
+            given, typed = given_speeds(ReportOptions, keywords, mechanism)
+            speeds = typed or speeds
             if over is not None:
                 over = in_unit(rad_per_s(over.numbers, over.unit), speeds.unit)
             with naming_options(ReportOptions):

@@ -34,7 +34,7 @@ ALONE = {
     "--no-rotation-terms": "--rotation-terms=none",
     "--running": OWN,
 }
-"""What options are without a value: all terms or none, and the speed of the model file."""
+"""Values of options that stand alone: all terms or none, and the speed of the model file."""
 
 
 def with_value(this: str, following: str) -> str:
@@ -59,9 +59,9 @@ def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
         mark = next((m for m in marks if isinstance(m, Typed | Plain | Together)), None)
         if isinstance(mark, Together):
             make = from_options(_handed_on(mark) if isclass(mark.make) else mark.make)
-            own = list(inspect.signature(make).parameters.values())
-            shown += own
-            readers[name] = [each.name for each in own], make
+            parameters = list(inspect.signature(make).parameters.values())
+            shown += parameters
+            readers[name] = [each.name for each in parameters], make
             continue
         kind = get_args(parameter.annotation)[0] if marks else parameter.annotation
         kind = getattr(mark, "kind", None) or kind
@@ -91,7 +91,7 @@ def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _option(mark: Typed | Plain | None) -> Any:
-    """What typer knows of an option by its mark."""
+    """Typer's option for a mark."""
     if isinstance(mark, Plain):
         if not mark.option:
             return Argument(metavar=mark.metavar, parser=typed_path)

@@ -115,7 +115,7 @@ class StateModes:
         return np.asarray(read[:, :, None] * put[:, None, :])
 
     def below(self, frequency: float) -> NDArray[np.bool_]:
-        """Which poles, (2n,), oscillate and are smaller than a frequency in Hz."""
+        """Whether poles, (2n,), oscillate and are smaller than a frequency in Hz."""
         oscillates: NDArray[np.bool_] = self.poles.imag != 0
         return oscillates & (np.abs(self.poles) < 2 * np.pi * frequency)
 

@@ -91,7 +91,7 @@ class Exposure:
 
 
 Environment = HygrothermalState | Exposure
-"""What a mechanism is put into."""
+"""Surroundings of a mechanism."""
 
 
 def environment_of(

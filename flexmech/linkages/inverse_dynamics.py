@@ -277,7 +277,7 @@ def solve_connections(
 
 
 def _what_is_wrong(topology: Topology, motion: RigidMotion, matrix: FloatArray) -> str:
-    """Which joint constrains too much or too little, in the first position where one does."""
+    """Joint that constrains too much or too little, in the first position where one does."""
     equations, unknowns = matrix.shape[-2:]
     longest = max(link.length for link in topology.links)
     scaled = matrix.reshape(-1, equations, unknowns).copy()

@@ -215,7 +215,7 @@ class Topology:
 
     @property
     def joint_kinds(self) -> tuple[str, ...]:
-        """What each joint is: ``clamp``, ``pin``, ``weld``, ``slider`` or ``pivot``."""
+        """Kind of each joint: ``clamp``, ``pin``, ``weld``, ``slider`` or ``pivot``."""
         kinds = {clamp.joint: "clamp" for clamp in self.clamps}
         kinds |= {pin.joint: "pin" for pin in self.pins}
         kinds |= {weld.joint: "weld" for weld in self.welds}

@@ -35,7 +35,7 @@ DIMENSIONS = {
 
 @dataclass(frozen=True)
 class Constituent:
-    """What fibres and resins have in common.
+    """Common properties of fibres and resins.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ class Matrix(Constituent):
 
     @property
     def hygrothermal(self) -> Hygrothermal:
-        """What heat and water do to the resin."""
+        """Hygrothermal properties of the resin; omitted ones have no effect."""
         return Hygrothermal(**{own.name: getattr(self, own.name) for own in fields(Hygrothermal)})
 
     def to_table(self) -> TomlTable:

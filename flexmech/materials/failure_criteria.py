@@ -120,7 +120,7 @@ class FailureMode:
 
 
 PLY_CRITERIA: tuple[CriterionName, ...] = CRITERIA[:-1]
-"""Those of plies with fibres; the last one is of isotropic layers."""
+"""Criteria of plies with fibres; the last one is of isotropic layers."""
 
 F12_STAR = -0.5
 """Interaction ``F12 / sqrt(F11 F22)`` of Tsai and Wu: that of von Mises' ellipse."""

@@ -30,7 +30,7 @@ class UnknownStiffnessError(InputError):
 
 @dataclass(frozen=True)
 class Hygrothermal:
-    """What a resin does in heat and water; zero or None where it is not known.
+    """Hygrothermal properties of a resin; zero or None where they are unknown.
 
     Parameters
     ----------

@@ -121,7 +121,7 @@ def read_csv_record(path: str | Path) -> MeasuredRecord:
 
 
 def _last_digit(cell: str) -> float:
-    """What the last digit of a number stands for."""
+    """Value of the last digit of a number."""
     mantissa, _, exponent = cell.lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
     return float(10.0 ** (int(exponent or 0) - decimals))
@@ -185,7 +185,7 @@ def _columns(table: list[tuple[int, list[str]]], source: str) -> list[_Column]:
 
 
 def _abscissa(columns: list[_Column], source: str) -> tuple[Abscissa, _Column]:
-    """What the record is written over, and that column."""
+    """Abscissa of the record, and its column."""
 
     def first(unit: str, word: str) -> _Column | None:
         own = [c for c in columns if c.header.unit == unit and word in c.header.name.lower()]

@@ -1,4 +1,4 @@
-"""What was measured: quantities in SI units over time, frequency or crank angle."""
+"""Measured quantities in SI units over time, frequency or crank angle."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def datasets_of(contents: UffFile) -> list[DataSet]:
 
 
 def contents_of(datasets: Sequence[DataSet]) -> UffFile:
-    """What pyuff has read, in SI units.
+    """Data sets as read by pyuff, in SI units.
 
     Parameters
     ----------

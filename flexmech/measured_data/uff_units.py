@@ -1,4 +1,4 @@
-"""What a universal file of a modal test holds, and its units.
+"""Quantities of a universal file of a modal test, and their units.
 
 Points, functions at points, and modes; units by data set 164 and the codes of data set 58.
 """
@@ -391,7 +391,7 @@ def function_unit(dataset: Mapping[str, Any], units: UffUnits | None) -> Functio
 
 
 def _contradiction(label: _Label, unit: str, size: float) -> str:
-    """What is wrong where a label and data set 164 are of different units."""
+    """Message where a label and data set 164 are of different units."""
     ratio = label.factor / size
     said = unit if size == 1 else f"{size:.6g} {unit}"
     return (

@@ -114,7 +114,7 @@ class FreeShaft:
         return bool(self.clamp.hub) or any(link.rigid for link in self.topology.links)
 
     def rotation(self, link: LinkModel) -> int:
-        """Which coordinate of the clamped link, reduced or not, is the shaft's rotation."""
+        """Number of the clamped link's coordinate, reduced or not, that is the shaft's rotation."""
         return int(link.end_rotation_of(self.clamp.link_end.end)[0])
 
     def links(self, links: tuple[LinkModel, ...]) -> tuple[LinkModel, ...]:

@@ -1,4 +1,4 @@
-"""What is on the links of a mechanism must be on them, of the right kind, and apart."""
+"""Checks that parts on links are of the right kind, on the link, and apart."""
 
 from __future__ import annotations
 

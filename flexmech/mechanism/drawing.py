@@ -1,4 +1,4 @@
-"""What a picture, a text or a notebook shows of a mechanism."""
+"""Parts of a mechanism for a picture, a text or a notebook."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from flexmech.sections import BeamSection
 
 
 class _Shown(Protocol):
-    """What a picture and a notebook ask of a mechanism."""
+    """Interface of a mechanism for pictures and notebooks."""
 
     @property
     def linkage(self) -> Linkage: ...

@@ -1,4 +1,4 @@
-"""What a mechanism has besides linkage and sections: masses, pins, water, and where it is from.
+"""Parts of a mechanism besides linkage and sections: masses, pins, water, and its source.
 
 A machine's frame on springs is one of its parts: three coordinates under the linkage.
 """

@@ -1,4 +1,4 @@
-"""What a laboratory does with a hammer test: signals and identification, whatever was hit.
+"""Hammer tests of a laboratory: signals and identification, for any structure.
 
 This room knows arrays alone and nothing of mechanisms: windows, averages and noise of records,
 frequency-response functions, and the modes that are identified from them.

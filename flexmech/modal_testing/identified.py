@@ -22,7 +22,7 @@ UPPER_TERMS = 2
 
 
 class _ResidualTerms(NamedTuple):
-    """What stands for all modes outside a band; see :class:`IdentifiedModes`."""
+    """Stand-in for all modes outside a band; see :class:`IdentifiedModes`."""
 
     lower: ComplexArray
     upper: ComplexArray
@@ -118,7 +118,7 @@ class IdentifiedModes:
 
     @property
     def found(self) -> NDArray[np.bool_]:
-        """Which of the modes were found, shape (k,)."""
+        """Whether each mode was found, shape (k,)."""
         return np.asarray(np.isfinite(self.pole))
 
     def receptance(self, frequency: FloatArray, added_damping: float = 0.0) -> ComplexArray:
@@ -223,7 +223,7 @@ def fit_residues(
 
 
 def residue_columns(s: ComplexArray, pole: ComplexArray) -> FloatArray:
-    """What residues and residual terms multiply, their real and imaginary parts apart.
+    """Functions that residues and residual terms multiply, real and imaginary parts apart.
 
     Parameters
     ----------

@@ -75,7 +75,7 @@ def refined_poles(s: ComplexArray, receptance: ComplexArray, pole: ComplexArray)
 
 
 class _Projection:
-    """What the best residues of some poles leave of the receptances."""
+    """Remainder of the receptances beside the best residues of some poles."""
 
     def __init__(self, s: ComplexArray, receptance: ComplexArray, size: FloatArray) -> None:
         self._s, self._size = s, size
@@ -230,7 +230,7 @@ class _LinearFit:
         ]
 
     def rows(self, numbers: list[int]) -> FloatArray:
-        """What multiplies the receptance in some of the residues, (r, 2 F)."""
+        """Factors of the receptance in some of the residues, (r, 2 F)."""
         unit = np.eye(len(self._triangle))[numbers]
         inverse = np.linalg.solve(self._triangle.T, unit.T).T
         return np.asarray(inverse @ self._basis.T / self._size[numbers][:, None])

@@ -156,7 +156,7 @@ class BeamKind(ABC):
 
     @abstractmethod
     def further_values(self, section: BeamSection, length: float) -> dict[str, float]:
-        """What Exudyn's element of a length in m takes besides axial and bending stiffness."""
+        """Arguments of Exudyn's element of a length in m besides axial and bending stiffness."""
 
     def free_strains(self, section: BeamSection) -> dict[str, float]:
         """Strains of an element without stress, by their names in Exudyn."""

@@ -32,7 +32,7 @@ from flexmech.multibody.running.user_functions import (
 )
 
 JointGap: TypeAlias = PlaceGap | AngleGap | LineGap
-"""What a joint has to close."""
+"""Conditions that a joint closes."""
 
 
 @dataclass(frozen=True)

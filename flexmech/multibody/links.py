@@ -481,7 +481,7 @@ class LinkPart:
         return np.asarray(bent + self.rigid(origin, angle))
 
     def rigid(self, place: FloatArray, angle: FloatArray) -> FloatArray:
-        """What a place or velocity (m, 2) and an angle or spin (m,) add to coordinates, (m, n)."""
+        """Coordinates (m, n) added by a place or velocity (m, 2) and an angle or spin (m,)."""
         fields = np.stack([self.fields.along, self.fields.across, self.rotation])
         return np.asarray(np.column_stack([place, angle]) @ fields)
 

@@ -60,7 +60,7 @@ NEARLY_WHITE = 240
 
 @dataclass(frozen=True)
 class EnlargedMotion:
-    """What there is to draw, with the stored samples of the time shown.
+    """Everything that is drawn, with the stored samples of the time shown.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ class EnlargedMotion:
 
     @property
     def title(self) -> str:
-        """What is running, and how much slower than real it is shown."""
+        """Name of the running mechanism, and how much slower than real it is shown."""
         seconds = float(np.ptp(self.time))
         slower = self.frames.size / FRAMES_A_SECOND / seconds if seconds > 0 else 1.0
         digits = f"{slower:.2g}" if slower < 100 else f"{float(f'{slower:.2g}'):.0f}"
@@ -178,7 +178,7 @@ def _true_path(turn: xr.Dataset, places: FloatArray, links: list[str]) -> tuple[
 
 
 def _at_rest(rigid: FloatArray) -> NDArray[np.bool_]:
-    """Which ends of links stay in place; a single sample shows none."""
+    """Ends of links that stay in place; a single sample shows none."""
     ends = rigid[:, :, [0, -1]]
     rests = np.ptp(ends, axis=0).max(axis=-1) <= SAME_PLACE * extent_of(ends)
     return np.asarray(rests & (len(ends) > 1))

@@ -308,7 +308,7 @@ def _pane(dataset: xr.Dataset, output: str, variable: str, curves: list[Curve]) 
 
 
 def key_of(values: xr.DataArray) -> str:
-    """What the numbers of texts along an axis mean; empty of numbers and of short texts."""
+    """Meaning of the numbers of texts along an axis; empty for numbers and short texts."""
     names = _names(values)
     if max(map(len, names), default=0) <= MOST_LETTERS:
         return ""

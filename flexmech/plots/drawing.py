@@ -51,7 +51,7 @@ class PlotFunction(Protocol):
     """Function that draws a dataset: into a new figure, or into the user's axes."""
 
     picture: Callable[[xr.Dataset], Picture]
-    """What it draws, which the page of a report shows too."""
+    """The picture that it draws, which the page of a report shows too."""
 
     def __call__(self, dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         """Draw a dataset."""
@@ -182,7 +182,7 @@ def _legend(picture: Picture) -> list[Artist]:
 
 
 def _entry(same: Sequence[Curve | Span]) -> Artist:
-    """What the legend has of curves or spans of one name: bands of several colours are grey."""
+    """Legend entry of curves or spans of one name: bands of several colours are grey."""
     one = same[0]
     filled = one.is_filled if isinstance(one, Span) else one.upto is not None
     look = {key: value for key, value in one.look.items() if key not in NOT_IN_LEGEND}

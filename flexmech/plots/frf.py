@@ -228,7 +228,7 @@ def plot_comparison(dataset: xr.Dataset) -> Picture:
 
 
 def _compared_title(dataset: xr.Dataset) -> str:
-    """What is compared where, and the fitted parameters."""
+    """Compared quantity and its place, and the fitted parameters."""
     attrs = dataset.attrs
     if "crank_speed" in attrs:
         where = f"at {reading.speed_text(dataset)}"

@@ -205,7 +205,7 @@ def _link_line(number: int, points: FloatArray | None = None) -> style.Look:
 
 
 def _lumped(dataset: xr.Dataset, angles: FloatArray, values: FloatArray) -> Curve:
-    """What masses lumped at points exert."""
+    """Forces of masses lumped at points."""
     name = f"{dataset.sizes['lump']} lumped masses"
     return Curve(angles, values, LUMPED, name, followed=None)
 
@@ -424,7 +424,7 @@ KINDS = (
     ("velocity", "Velocity", VELOCITIES),
     ("acceleration", "Acceleration", ACCELERATIONS),
 )
-"""What is known of a point: variable, words, and units."""
+"""Quantities of a point: variable, words, and units."""
 ITS_LINE, COUPLER_POINT = "its line", "coupler point"
 
 

@@ -191,7 +191,7 @@ def _handles(dataset: xr.Dataset, sketch: LinkageSketch) -> list[Artist]:
 
 
 def _paths_of(pins: list[str]) -> str:
-    """What the paths of pins and tips are called together."""
+    """Common name of the paths of pins and tips."""
     names = [f"the {name}" if name.startswith("tip") else name for name in pins]
     if len(names) == 1:
         return f"path of {names[0]}"

@@ -1,4 +1,4 @@
-"""What figures read out of datasets: arrays, names, units, headings, and the part to be shown."""
+"""Arrays, names, units and headings that figures read out of datasets, and the part shown."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def mechanism_name(dataset: xr.Dataset) -> str:
 
 
 def terms_text(dataset: xr.Dataset) -> str:
-    """Which terms of the turning link frames are counted; empty where all of them are."""
+    """Counted terms of the turning link frames; empty where all of them are."""
     counted = str(dataset.attrs.get("rotation_terms", "on"))
     if counted == "on":
         return ""
@@ -84,7 +84,7 @@ def speed_unit(dataset: xr.Dataset) -> str:
 
 
 def crank_speed_units(dataset: xr.Dataset) -> Units:
-    """That unit alone, for crank speeds over time."""
+    """The one unit, for crank speeds over time."""
     unit = speed_unit(dataset)
     return ((from_si(1.0, unit), unit),)
 

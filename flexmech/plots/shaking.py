@@ -1,4 +1,4 @@
-"""What a mechanism exerts on its frame: shaking force, moment and harmonics, and its balance."""
+"""Forces of a mechanism on its frame: shaking force, moment, harmonics, and their balance."""
 
 from __future__ import annotations
 

@@ -212,7 +212,7 @@ def _look(kind: str) -> Look:
 
 
 def _name(band: xr.Dataset) -> str:
-    """What meets, such as "f₁+f₃ = 11f" with f of the crank."""
+    """Resonance of a band, such as "f₁+f₃ = 11f" with f of the crank."""
     kind, branches = str(band["band_kind"].item()), str(band["band_branches"].item()).split()
     if not branches:
         return kind if kind == "divergence" else "?"

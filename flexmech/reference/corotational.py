@@ -333,7 +333,7 @@ class CorotationalElements:
 
     @cached_property
     def _angles(self) -> IntArray | slice:
-        """Which of them are angles: mostly all, of which a slice makes no copy."""
+        """Numbers of the angles among them: mostly all, of which a slice makes no copy."""
         shapes = self.elements.shapes
         angles = np.isin(self._own % shapes.per_node, shapes.angles)
         return slice(None) if angles.all() else np.flatnonzero(angles)

@@ -356,7 +356,7 @@ class State:
 
     @classmethod
     def unloaded(cls, size: int, batch: int) -> State:
-        """That of straight links, not converged."""
+        """Equilibrium of straight links, not converged."""
         error, stable, converged = np.zeros((3, batch))
         return cls(np.zeros((size, batch)), error, stable > 0, converged > 0)
 

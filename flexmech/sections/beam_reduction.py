@@ -210,7 +210,7 @@ class Strip:
 
     @cached_property
     def _parts(self) -> list[tuple[FloatArray, FloatArray]]:
-        """What happens side by side: strains (2, N, 2, 3), and of what part of theirs (2, 2)."""
+        """Fields side by side: strains (2, N, 2, 3), and their shares (2, 2)."""
         every = np.zeros((2, 6))
         every[:, ALONG] = np.eye(2)
         count = len(self.laminate.layers)

@@ -1,4 +1,4 @@
-"""What free edges do to a narrow link of plies at different angles.
+"""Free edges of a narrow link of plies at different angles.
 
 Plies at angles against the link's axis shear and contract each in its own way as they are
 stretched. Inside a wide laminate they restrain each other: of all plies together, no force acts

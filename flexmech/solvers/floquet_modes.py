@@ -335,7 +335,7 @@ class SelectedModes(FloquetExponents):
 
 @dataclass(frozen=True)
 class SelectedGrowth:
-    """What is left of :class:`SelectedModes` where nothing but growth is asked for.
+    """Part of :class:`SelectedModes` that growth alone needs.
 
     Parameters
     ----------
@@ -420,7 +420,7 @@ def selected_growth(linkage: VibratingLinkage, damping: float, steps: int) -> Se
 
 
 def matched(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> IntArray:
-    """Which of the second logarithms of multipliers (n,) is each of the first (k,).
+    """Counterpart of each first logarithm of multipliers (k,) among the second (n,).
 
     Parameters
     ----------
@@ -454,7 +454,7 @@ def _largest_harmonic(states: NDArray[np.complex128]) -> tuple[IntArray, FloatAr
 
 
 def _one_harmonic(turns: FloatArray) -> tuple[IntArray, FloatArray]:
-    """As :func:`_largest_harmonic`, of shapes that are one harmonic each."""
+    """Result of :func:`_largest_harmonic` for shapes that are one harmonic each."""
     shares = np.zeros((2 * HARMONICS + 1, len(turns)))
     shares[HARMONICS] = 1.0
     return turns.astype(np.intp), shares

@@ -425,7 +425,7 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
 
 
 def _of_connectors(turn: SampledTurn, stressed: StressedLinks) -> FloatArray:
-    """What springs, guides and follower forces of the stressed state would be at none, (N, n)."""
+    """Forces of springs, guides and followers of the stressed state at no displacement, (N, n)."""
     place, connected = stressed.displacement, turn.connected
     if place is None or connected is None:
         return np.zeros((len(turn.motion.crank_angle), turn.size))

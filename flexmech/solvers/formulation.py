@@ -1,4 +1,4 @@
-"""Which terms of the moving linkage are counted, and the linear systems that follow.
+"""Counted terms of the moving linkage, and the linear systems that follow.
 
 They are linearized about the quasi-static equilibrium, or about the periodic motion.
 """
@@ -25,7 +25,7 @@ from flexmech.validation import check_choice, check_count
 
 @dataclass(frozen=True)
 class Formulation:
-    """Which terms of the moving linkage are counted, and how many modes must be right.
+    """Counted terms of the moving linkage, and the number of modes that must be right.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Formulation:
 
     @property
     def counted_terms(self) -> RotationTerms:
-        """Which terms of the turning link frames are counted."""
+        """Counted terms of the turning link frames."""
         return RotationTerms.of(self.rotation_terms)
 
     @property
@@ -100,9 +100,9 @@ class Systems:
 
     @property
     def damped_by(self) -> str:
-        """What gives or takes energy, in words.
+        """Sources and sinks of energy, in words.
 
-        Empty if nothing does: then damping ratios are an effect of the frames.
+        Empty if there are none: then damping ratios are an effect of the frames.
         """
         kinds = {
             "Kelvin-Voigt": self.engine.has_damped_links,

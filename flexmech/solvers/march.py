@@ -229,7 +229,7 @@ class LinearMarch:
 
 
 def _matrices(linkage: DrivenLinkage, step: float, time: FloatArray) -> list[FloatArray]:
-    """What the steps of :class:`LinearMarch` are made of, at times of shape (m,)."""
+    """Matrices and forces of the steps of :class:`LinearMarch`, at times of shape (m,)."""
     equations = linkage.equations(time, tables=False)
     advance, response = step_matrices(equations, step)
     parts = [advance, (response @ equations.force[..., None])[..., 0]]

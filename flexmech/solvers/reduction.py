@@ -56,7 +56,7 @@ class Pencil:
 
     @classmethod
     def of_positions(cls, system: LinearSystem) -> list[Pencil]:
-        """Those of each position of an unreduced system, most of whose entries are zero."""
+        """Matrices of each position of an unreduced system, most of whose entries are zero."""
         dense = system.mass, system.damping, system.stiffness
         taken = np.any([matrix.any(axis=0) for matrix in dense], axis=0)
         columns, rows = np.nonzero(taken.T)
@@ -66,7 +66,7 @@ class Pencil:
 
     @classmethod
     def block_diagonal(cls, pencils: Sequence[Pencil]) -> Pencil:
-        """Those of several positions, of one size, as one."""
+        """Matrices of several positions, of one size, as one."""
         rows, starts, taken = [], [np.zeros(1, dtype=np.intc)], 0
         for number, pencil in enumerate(pencils):
             rows.append(pencil.rows + number * (len(pencil.starts) - 1))
@@ -414,7 +414,7 @@ def unreduced_pencils(
     Returns
     -------
     list of Pencil
-        Of each position.
+        Sparse matrices of each position.
     """
     unreduced = _without_component_modes(systems)
     at_a_time = max(1, MATRIX_BYTES // (8 * systems.engine.frames.size**2))

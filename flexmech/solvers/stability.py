@@ -243,7 +243,7 @@ class KnownEquilibria:
 
     @classmethod
     def of_all(cls, parts: Iterable[KnownEquilibria]) -> KnownEquilibria:
-        """Those of all parts, apart from what is added to them later."""
+        """Known equilibria of all parts together, apart from those added to the parts later."""
         return cls({speed: q for part in parts for speed, q in part.displacement.items()})
 
     def near(self, crank_speed: float, samples: int) -> list[FloatArray] | None:
@@ -409,7 +409,7 @@ class _SampledState:
 
 @dataclass(frozen=True)
 class LinkageSolver:
-    """What it takes to solve for the Floquet modes at a crank speed.
+    """Data for the Floquet modes at a crank speed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which mode at one crank angle is which at the next.
+"""Following modes from one crank angle to the next.
 
 Modes are compared by the mass-weighted modal assurance criterion and assigned one to one;
 nothing is re-sorted in silence: the score is kept, veering is flagged, and a branch that

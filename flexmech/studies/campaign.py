@@ -578,6 +578,6 @@ class KeptDesigns:
 
 
 def _outcomes(designs: FloatArray, found: Evaluated) -> dict[bytes, Outcome]:
-    """What is found of each design."""
+    """Results of each design."""
     rows = zip(designs, found.values, found.status.tolist(), found.reasons, strict=True)
     return {row.tobytes(): (values, status, reason) for row, values, status, reason in rows}

@@ -23,7 +23,7 @@ from flexmech.mechanism import Mechanism
 
 
 class FrequencyNeeds(NamedTuple):
-    """Which natural frequencies over a turn an output needs.
+    """Natural frequencies over a turn that an output needs.
 
     Parameters
     ----------

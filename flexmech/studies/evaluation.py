@@ -20,7 +20,7 @@ from flexmech.studies.variables import CRANK_SPEED, as_values
 
 Status = Literal["ok", "not_assembled", "locked", "buckled", "no_equilibrium", "refused", "error"]
 STATUSES: tuple[str, ...] = get_args(Status)
-"""What can become of a design, in the order of their codes."""
+"""Outcomes of a design, in the order of their codes."""
 
 _KINDS: tuple[tuple[type[FlexmechError], Status], ...] = (
     (AssemblyError, "not_assembled"),
@@ -54,7 +54,7 @@ class Evaluated(NamedTuple):
 
 
 class Task(NamedTuple):
-    """What a worker gives back.
+    """Reply of a worker.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def _outputs_of(study: Study, design: Design) -> list[float]:
 
 
 def guarded(compute: Callable[[], Found]) -> tuple[Found | None, int, str]:
-    """What a computation gives, or what became of it.
+    """Result of a computation, or its failure.
 
     Parameters
     ----------

@@ -104,15 +104,17 @@ def confirmed(
     engines: tuple[EngineName, ...] = get_args(EngineName)
     again = []
     for engine in engines:
-        own = study.with_(engine=engine)
-        found = scatter.evaluated(design[None], lambda rows: evaluate(own, rows, finer=2))  # noqa: B023
-        if reason := _does_not_hold(study, found):
+        of_engine = study.with_(engine=engine)
+        evaluated = scatter.evaluated(design[None], lambda rows: evaluate(of_engine, rows, finer=2))  # noqa: B023
+        if reason := _does_not_hold(study, evaluated):
             raise ComputationError(
                 f"the best design does not hold: {_FINER} {engine} finds {reason}; "
-                f"{_design_text(study, design)}{_remedy(study, found)}"
-                + candidate_kept(study, design, found, f"{_FINER} {engine} finds {reason}", folder)
+                f"{_design_text(study, design)}{_remedy(study, evaluated)}"
+                + candidate_kept(
+                    study, design, evaluated, f"{_FINER} {engine} finds {reason}", folder
+                )
             )
-        again.append(found.values[0])
+        again.append(evaluated.values[0])
     return xr.Dataset(
         {
             "relative_error": (
@@ -161,17 +163,17 @@ def errors_of(
     return np.asarray((changes + sampling).max(axis=0))
 
 
-def _does_not_hold(study: Study, found: Evaluated) -> str:
+def _does_not_hold(study: Study, evaluated: Evaluated) -> str:
     """Why one design cannot be, if it cannot."""
-    if found.status[0] != 0:
-        return found.reasons[0]
-    return beyond(study, found.values[0], SLACK)
+    if evaluated.status[0] != 0:
+        return evaluated.reasons[0]
+    return beyond(study, evaluated.values[0], SLACK)
 
 
-def _remedy(study: Study, found: Evaluated) -> str:
-    if found.status[0] != 0 or not study.limits:
+def _remedy(study: Study, evaluated: Evaluated) -> str:
+    if evaluated.status[0] != 0 or not study.limits:
         return ""
-    worst = float(margins_of(study, found.values[0]).min())
+    worst = float(margins_of(study, evaluated.values[0]).min())
     return f"; give that output more angles, or tighten its limit by {100 * -worst:.2g} %"
 
 
@@ -200,7 +202,7 @@ def beyond(study: Study, values: FloatArray, slack: float = 0.0) -> str:
 
 
 def candidate_kept(
-    study: Study, design: FloatArray, found: Evaluated, reason: str, folder: Path | None
+    study: Study, design: FloatArray, evaluated: Evaluated, reason: str, folder: Path | None
 ) -> str:
     """Keep the row of a design that is no optimum, and say where it is.
 
@@ -208,7 +210,7 @@ def candidate_kept(
     ----------
     study : Study
     design : ndarray, shape (k,)
-    found : Evaluated
+    evaluated : Evaluated
         Evaluation of that design alone.
     reason : str
         Why it is none.
@@ -222,7 +224,7 @@ def candidate_kept(
     """
     if folder is None:
         return ""
-    row = Evaluated(found.values, found.status, [one_line(reason, MOST_LETTERS)])
+    row = Evaluated(evaluated.values, evaluated.status, [one_line(reason, MOST_LETTERS)])
     table = designs_table(designs_dataset(study, design[None], row), {"violation": "violation"})
     file = given_path(folder) / CANDIDATES
     form = f"%.{Result.significant_digits}g"
@@ -351,7 +353,7 @@ def _runs(data: xr.Dataset) -> str:
 
 
 def _statistics_lines(data: xr.Dataset) -> list[str]:
-    """What the outputs are where properties are uncertain."""
+    """Line on the statistic by which each output counts where properties are uncertain."""
     if "uncertain" not in data.attrs:
         return []
     outputs = data.attrs["outputs"].split()
@@ -419,22 +421,22 @@ def optimum_study(
     search = Search(study, computed, scatter)
     with closing(computed):
         designs = find(search)
-        found = search.found(designs)
-        dataset = designs_dataset(study, designs, found)
+        evaluated = search.found(designs)
+        dataset = designs_dataset(study, designs, evaluated)
         best = ranked(dataset)
         held = bool(best.sizes["design"]) and bool(best["within"][0])
         number = int(best["design"][0]) - 1 if held else 0
         sampling = scatter.errors(designs[number][None], computed)
     if not held:
-        why = found.reasons[0] or f"beyond a limit: {beyond(study, found.values[0])}"
+        why = evaluated.reasons[0] or f"beyond a limit: {beyond(study, evaluated.values[0])}"
         raise ComputationError(
             f"none of {search.count} designs keeps every limit; widen the ranges or loosen a limit"
-            + candidate_kept(study, designs[0], found, why, folder)
+            + candidate_kept(study, designs[0], evaluated, why, folder)
         )
-    checked = confirmed(study, scatter, designs[number], found.values[number], folder)
+    checked = confirmed(study, scatter, designs[number], evaluated.values[number], folder)
     error = checked["relative_error"].values + sampling
     if len(others := best["design"].values[1:ROWS] - 1):
-        rows = designs[others], found.values[others]
+        rows = designs[others], evaluated.values[others]
         error = np.maximum(error, errors_of(study, scatter, *rows, computed, executor))
     checked["relative_error"] = "output", error
     steps, history = zip(*search.steps, strict=True)
@@ -455,8 +457,10 @@ def _with_statistics(study: Study, dataset: xr.Dataset) -> xr.Dataset:
     if not study.uncertain:
         return dataset
     for name in study.outputs:
-        part = study.percentiles.get(name)
-        dataset[name].attrs["statistic"] = "mean" if part is None else f"{part:g} % percentile"
+        percentile = study.percentiles.get(name)
+        dataset[name].attrs["statistic"] = (
+            "mean" if percentile is None else f"{percentile:g} % percentile"
+        )
     return dataset.assign_attrs(
         uncertain="\n".join(study.uncertain), samples=study.percentile_samples
     )

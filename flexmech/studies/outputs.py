@@ -1,4 +1,4 @@
-"""What a study computes of every design.
+"""Outputs that a study computes of every design.
 
 Peaks over a turn of the crank are sought between crank angles as well.
 """
@@ -234,7 +234,7 @@ _REACH, _SPEEDS = 0.5, 51
 
 
 class Kind(NamedTuple):
-    """What an output is.
+    """Kind of an output.
 
     Parameters
     ----------
@@ -311,7 +311,7 @@ class Output:
 
     @property
     def kind(self) -> Kind:
-        """What it is."""
+        """Quantity of the output."""
         return KINDS[self.quantity]
 
     @property
@@ -330,13 +330,13 @@ class Output:
 
     @property
     def extremes(self) -> ExtremesWanted:
-        """Which frequencies of a turn it needs to be sought between the crank angles."""
+        """Frequencies of a turn that it seeks between the crank angles."""
         if self.quantity == "order_margin":
             return every_extreme(max(self.mode, 3))
         return frozenset({(int(self.quantity == "highest_frequency"), self.mode - 1)})
 
     def needs_of(self, design: Design) -> FrequencyNeeds | None:
-        """What natural frequencies it needs of a design; None where it needs none."""
+        """Natural frequencies that it needs of a design; None where it needs none."""
         if self.quantity not in OF_FREQUENCIES:
             return None
         return FrequencyNeeds(self.speed_of(design), self.prestress, self.angles, max(self.mode, 3))

@@ -1,4 +1,4 @@
-"""What results of studies have in common: designs as rows, and in words."""
+"""Common part of results of studies: designs as rows, and in words."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ LEAST_ERROR = 1e-6
 the digits of all that is printed."""
 
 
-def designs_dataset(study: Study, designs: FloatArray, found: Evaluated) -> xr.Dataset:
+def designs_dataset(study: Study, designs: FloatArray, evaluated: Evaluated) -> xr.Dataset:
     """Designs with their outputs, over ``design``.
 
     Parameters
     ----------
     study : Study
     designs : ndarray, shape (n, k)
-    found : Evaluated
+    evaluated : Evaluated
 
     Returns
     -------
@@ -50,7 +50,7 @@ def designs_dataset(study: Study, designs: FloatArray, found: Evaluated) -> xr.D
             {} if variable.is_text else units | {"long_name": variable.name},
         )
     variables: dict[str, Any] = {}
-    for (name, output), column in zip(study.outputs.items(), found.values.T, strict=True):
+    for (name, output), column in zip(study.outputs.items(), evaluated.values.T, strict=True):
         attributes: dict[str, Any] = {
             "units": output.dimension.unit or "1",
             "shown_unit": output.shown_unit,
@@ -61,11 +61,11 @@ def designs_dataset(study: Study, designs: FloatArray, found: Evaluated) -> xr.D
                 bounds = {"least": limit.least, "greatest": limit.greatest}
                 attributes |= {k: v for k, v in bounds.items() if np.isfinite(v)}
         variables[name] = (DESIGN, column, attributes)
-    violation = violations(study, found.values)
-    computed = found.status == 0
+    violation = violations(study, evaluated.values)
+    computed = evaluated.status == 0
     variables |= {
-        "status": (DESIGN, np.array(STATUSES)[found.status]),
-        "reason": (DESIGN, np.array(found.reasons, dtype=str)),
+        "status": (DESIGN, np.array(STATUSES)[evaluated.status]),
+        "reason": (DESIGN, np.array(evaluated.reasons, dtype=str)),
         "violation": (DESIGN, np.where(computed, violation, np.nan)),
         "within": (DESIGN, computed & (violation <= 0)),
     }

@@ -146,7 +146,7 @@ def most_of_several_goals() -> int:
 
 
 def search_content(study: Study) -> dict[str, str]:
-    """What besides the study's designs and outputs a search depends on, for its store.
+    """Settings of a search besides the study's designs and outputs, for its store.
 
     Parameters
     ----------

@@ -84,7 +84,7 @@ class Goal:
 
     @property
     def sign(self) -> float:
-        """What makes a smaller value the better one."""
+        """Factor, 1 or -1, that makes the smaller value the better one."""
         return 1.0 if self.sense == "min" else -1.0
 
 
@@ -187,7 +187,7 @@ class Study:
 
     @cached_property
     def parameters(self) -> Parameters:
-        """What of the mechanism can vary."""
+        """Quantities of the mechanism that can vary."""
         return Parameters.of(self.mechanism)
 
     @property
@@ -202,7 +202,7 @@ class Study:
 
     @property
     def percentiles(self) -> dict[str, float]:
-        """Which percentile of an output goals and limits are about; of others it is the mean."""
+        """Percentile of each output whose goals and limits state one; others count by the mean."""
         asked: dict[str, float | None] = {}
         each: tuple[Goal | Limit, ...] = (*self.goals, *self.limits)
         for one in each:

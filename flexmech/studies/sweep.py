@@ -112,7 +112,7 @@ class DesignSweep(Result):
 
 
 def _near_lines(data: xr.Dataset) -> list[str]:
-    """Which designs keep or fail a limit by less than their outputs are known."""
+    """Designs that keep or fail a limit by less than the errors of their outputs."""
     near = near_a_limit(data)
     if not near:
         return []
@@ -136,13 +136,15 @@ def ranked(dataset: xr.Dataset) -> xr.Dataset:
 
 def output_quantities(design: xr.Dataset, outputs: list[str]) -> tuple[Quantity, ...]:
     """Outputs of one design with their errors, in their printed units."""
-    found = []
+    quantities = []
     for name in outputs:
         unit = design[name].attrs["shown_unit"]
         value = from_si(float(design[name]), unit)
         error = abs(value) * float(design["relative_error"].sel(output=name))
-        found.append(Quantity(name, value, unit, error, design[name].attrs.get("governed_by", "")))
-    return tuple(found)
+        quantities.append(
+            Quantity(name, value, unit, error, design[name].attrs.get("governed_by", ""))
+        )
+    return tuple(quantities)
 
 
 def outputs_text(numbers: Sequence[Quantity]) -> str:
@@ -211,7 +213,7 @@ def sweep_study(
         If a worker was killed.
     """
     designs = study.combinations() if samples is None else study.sample(samples)
-    found = evaluate_all(
+    evaluated = evaluate_all(
         study,
         designs,
         executor=executor,
@@ -220,7 +222,7 @@ def sweep_study(
         resume=resume,
         content={"samples": samples},
     )
-    dataset = designs_dataset(study, designs, found)
+    dataset = designs_dataset(study, designs, evaluated)
     errors = table_errors(study, designs, dataset, executor, progress)
     return DesignSweep(with_governing(study, designs, dataset).assign(relative_error=errors))
 

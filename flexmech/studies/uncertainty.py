@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 
 MOST_DESIGNS = 64
-"""Whose frequencies are drawn, the first of a sample: they alone are spread evenly too."""
+"""Most designs whose frequencies are drawn, the first of a sample: they too are spread evenly."""
 DRAWN_PERCENTILES = (2.5, 50.0, 97.5)
 # With fewer designs the interval of 95 % would be that of the outermost ones.
 _LEAST_DESIGNS = 8
@@ -78,13 +78,13 @@ def frequency_bands(study: Study, designs: FloatArray) -> xr.Dataset:
         designs in its attribute ``designs``; empty where no output is found from frequencies, or
         few designs can be computed.
     """
-    asked = [each for each in study.outputs.values() if each.quantity in OF_FREQUENCIES]
+    asked = [output for output in study.outputs.values() if output.quantity in OF_FREQUENCIES]
     if not asked:
         return xr.Dataset()
-    found = _frequencies(study, asked[0], designs[:MOST_DESIGNS])
-    if len(found) < _LEAST_DESIGNS:
+    frequencies = _frequencies(study, asked[0], designs[:MOST_DESIGNS])
+    if len(frequencies) < _LEAST_DESIGNS:
         return xr.Dataset()
-    parts = np.percentile(np.array(found), DRAWN_PERCENTILES, axis=0, method="hazen")
+    parts = np.percentile(np.array(frequencies), DRAWN_PERCENTILES, axis=0, method="hazen")
     # A turn ends where it begins.
     angles = np.append(turn(asked[0].angles), 2 * np.pi)
     parts = np.concatenate([parts, parts[:, :1]], axis=1)
@@ -93,7 +93,7 @@ def frequency_bands(study: Study, designs: FloatArray) -> xr.Dataset:
             "frequency_percentile": (
                 ("percentile", "crank_angle", "mode"),
                 parts,
-                {"units": "Hz", "long_name": "natural frequency", "designs": len(found)},
+                {"units": "Hz", "long_name": "natural frequency", "designs": len(frequencies)},
             )
         },
         {
@@ -131,8 +131,8 @@ def bands_table(bands: xr.DataArray) -> pd.DataFrame:
 def _frequencies(study: Study, output: Output, designs: FloatArray) -> list[FloatArray]:
     """Frequencies (angles, modes) of the designs that have some."""
     engine = engine_kind(study.engine)(study.mechanism)
-    found = (guarded(partial(_of_one, study, engine, output, row))[0] for row in designs)
-    return [own for own in found if own is not None]
+    outcomes = (guarded(partial(_of_one, study, engine, output, row))[0] for row in designs)
+    return [frequencies for frequencies in outcomes if frequencies is not None]
 
 
 def _of_one(study: Study, engine: Engine, output: Output, row: FloatArray) -> FloatArray:
@@ -179,7 +179,7 @@ def sobol_shares(
     whole = values.reshape(-1, len(outputs))
     varies = np.ptp(whole, axis=0) > _CHANGES * np.abs(whole).max(axis=0)
     shape = len(outputs), len(inputs)
-    found: dict[str, Any] = {
+    indices: dict[str, Any] = {
         f"{name}{end}": np.full(shape, np.nan) for name in INDICES for end in ("", "_low", "_high")
     }
     if varies.any():
@@ -203,11 +203,12 @@ def sobol_shares(
         changes = (mixed != first).any(axis=-1).T
         estimated = estimates(np.arange(first.shape[1]))
         for end, both in (("", estimated), ("_low", interval.low), ("_high", interval.high)):
-            for name, each in zip(INDICES, both, strict=True):
-                found[f"{name}{end}"][varies] = np.where(changes, each, 0.0)
+            for name, values in zip(INDICES, both, strict=True):
+                indices[f"{name}{end}"][varies] = np.where(changes, values, 0.0)
     over = ("output", "input")
     return xr.Dataset(
-        {name: (over, each) for name, each in found.items()}, {"output": outputs, "input": inputs}
+        {name: (over, values) for name, values in indices.items()},
+        {"output": outputs, "input": inputs},
     )
 
 
@@ -322,8 +323,8 @@ class Uncertainty(Result):
         tables = {self.stem: of_outputs[["output", *names]], "designs": designs_table(data)}
         if "total" in data:
             shares = [f"{name}{end}" for name in INDICES for end in ("", "_low", "_high")]
-            found = data[shares].to_dataframe().reset_index()
-            tables["sensitivity"] = found[["output", "input", *shares]]
+            table = data[shares].to_dataframe().reset_index()
+            tables["sensitivity"] = table[["output", "input", *shares]]
         if _BANDS in data:
             tables["frequency_bands"] = bands_table(data[_BANDS])
         return tables
@@ -355,21 +356,22 @@ class Uncertainty(Result):
         data = self.dataset
         lines, numbers, rows = [], [], []
         for output in data["output"].values.tolist():
-            own = data.sel(output=output)
+            of_output = data.sel(output=output)
             unit = data[output].attrs["shown_unit"]
             stats = {
-                name: from_si(float(own[name]), unit) for name in ("mean", "std", *PERCENTILES)
+                name: from_si(float(of_output[name]), unit)
+                for name in ("mean", "std", *PERCENTILES)
             }
-            error = from_si(float(own["median_error"]), unit)
+            error = from_si(float(of_output["median_error"]), unit)
             median = Quantity("median", stats["p50"], unit, error, output)
             numbers.append(median)
-            failing = float(own["failure_probability"])
+            failing = float(of_output["failure_probability"])
             rows.append(
                 (output, unit, *(f"{value:.4g}" for value in stats.values()), f"{failing:.3g}")
             )
             lines.append(
                 f"{output} is {stats['p2_5']:.4g} to {stats['p97_5']:.4g} {unit} in 95 % of the "
-                f"designs, its median {median}{_cause(own)}"
+                f"designs, its median {median}{_cause(of_output)}"
             )
         share = float(1 - data["within"].mean())
         lines.append(f"{100 * share:.3g} % of the designs fail a limit or cannot be computed")
@@ -407,12 +409,12 @@ def _trust(data: xr.Dataset, spread: float) -> str:
     )
 
 
-def _cause(own: xr.Dataset) -> str:
-    """What an output depends on most."""
-    if "total" not in own or not np.isfinite(own["total"]).all():
+def _cause(of_output: xr.Dataset) -> str:
+    """The input that an output depends on most."""
+    if "total" not in of_output or not np.isfinite(of_output["total"]).all():
         return ""
-    most = str(own["total"].idxmax().item())
-    return f", most by {most} ({share_text(own, most)})"
+    most = str(of_output["total"].idxmax().item())
+    return f", most by {most} ({share_text(of_output, most)})"
 
 
 def _failure_lines(data: xr.Dataset) -> list[str]:
@@ -430,11 +432,11 @@ def _share_lines(data: xr.Dataset) -> list[str]:
         return [str(data.attrs["no_shares"])]
     lines = []
     for output in data["output"].values.tolist():
-        own = data.sel(output=output)
+        of_output = data.sel(output=output)
         shares = ", ".join(
-            f"{name} {float(own['total'].sel(input=name)):.2f} "
-            f"({float(own['total_low'].sel(input=name)):.2f} to "
-            f"{float(own['total_high'].sel(input=name)):.2f})"
+            f"{name} {float(of_output['total'].sel(input=name)):.2f} "
+            f"({float(of_output['total_low'].sel(input=name)):.2f} to "
+            f"{float(of_output['total_high'].sel(input=name)):.2f})"
             for name in data["input"].values.tolist()
         )
         lines.append(f"total share in the variance of {output}: {shares}")
@@ -512,7 +514,7 @@ def uncertainty_study(
     check_power_of_two(samples, "samples", least=8)
     inputs = _inputs(study)
     designs = _designs(study, inputs, samples)
-    found = evaluate_all(
+    evaluated = evaluate_all(
         study,
         designs,
         executor=executor,
@@ -521,13 +523,13 @@ def uncertainty_study(
         resume=resume,
         content={"samples": samples},
     )
-    values = _complete(study, found)
+    values = _complete(study, evaluated)
     # Only A and B count: the designs of A_B repeat their numbers.
     independent = slice(0, samples if study.correlations else 2 * samples)
-    own = Evaluated(
-        found.values[independent], found.status[independent], found.reasons[independent]
+    counted = Evaluated(
+        evaluated.values[independent], evaluated.status[independent], evaluated.reasons[independent]
     )
-    dataset = designs_dataset(study, designs[independent], own)
+    dataset = designs_dataset(study, designs[independent], counted)
     dataset = dataset.merge(_statistics(study, values[independent], dataset))
     dataset = dataset.assign(relative_error=_error_of_a_design(study, dataset, designs, executor))
     worth = [f"{name} {study.outputs[name].text(v)}" for name, v in study.failure_values.items()]
@@ -561,9 +563,9 @@ def _designs(study: Study, inputs: list[str], samples: int) -> FloatArray:
         first, second = both[:, :count], both[:, count:]
         mixed = []
         for number in range(count):
-            own = first.copy()
-            own[:, number] = second[:, number]
-            mixed.append(own)
+            exchanged = first.copy()
+            exchanged[:, number] = second[:, number]
+            mixed.append(exchanged)
         points = np.concatenate([first, second, *mixed])
     # A variable of one value takes it at any probability.
     whole = np.full((len(points), len(study.variables)), 0.5)
@@ -571,17 +573,17 @@ def _designs(study: Study, inputs: list[str], samples: int) -> FloatArray:
     return study.at(whole)
 
 
-def _complete(study: Study, found: Evaluated) -> FloatArray:
+def _complete(study: Study, evaluated: Evaluated) -> FloatArray:
     """Outputs with what a failure is worth; refused where that is not said.
 
     One number that is missing makes every one of Sobol's indices zero, without a word.
     """
-    values = with_failures(study, found)
+    values = with_failures(study, evaluated)
     if np.isnan(values).any():
         raise InputError(
-            f"{100 * (found.status != 0).mean():.2g} % of the designs cannot be computed "
-            f"({causes_of(found)}; the first: {next(filter(None, found.reasons))}); narrow the "
-            "ranges, or say in failure_values what each output counts as then"
+            f"{100 * (evaluated.status != 0).mean():.2g} % of the designs cannot be computed "
+            f"({causes_of(evaluated)}; the first: {next(filter(None, evaluated.reasons))}); narrow "
+            "the ranges, or say in failure_values what each output counts as then"
         )
     return values
 
@@ -601,7 +603,7 @@ def _error_of_a_design(
 def _statistics(study: Study, values: FloatArray, dataset: xr.Dataset) -> xr.Dataset:
     """Moments, percentiles and failures over ``output``."""
     outputs = list(study.outputs)
-    found: dict[str, Any] = {
+    statistics: dict[str, Any] = {
         "mean": values.mean(axis=0),
         "std": values.std(axis=0, ddof=1),
         **{name: np.percentile(values, part, axis=0) for name, part in PERCENTILES.items()},
@@ -609,7 +611,7 @@ def _statistics(study: Study, values: FloatArray, dataset: xr.Dataset) -> xr.Dat
     # Order statistics half a standard deviation of their binomial count away on either side.
     apart = 50.0 / np.sqrt(len(values))
     ends = np.percentile(values, [50.0 - apart, 50.0 + apart], axis=0)
-    found["median_error"] = (ends[1] - ends[0]) / 2
+    statistics["median_error"] = (ends[1] - ends[0]) / 2
     failing = []
     for name in outputs:
         beyond = dataset["status"].values != "ok"
@@ -618,5 +620,7 @@ def _statistics(study: Study, values: FloatArray, dataset: xr.Dataset) -> xr.Dat
                 column = values[:, outputs.index(name)]
                 beyond = beyond | (limit.violation(column) > 0)
         failing.append(beyond.mean())
-    found["failure_probability"] = np.array(failing)
-    return xr.Dataset({name: ("output", each) for name, each in found.items()}, {"output": outputs})
+    statistics["failure_probability"] = np.array(failing)
+    return xr.Dataset(
+        {name: ("output", values) for name, values in statistics.items()}, {"output": outputs}
+    )

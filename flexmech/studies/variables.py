@@ -1,4 +1,4 @@
-"""What varies from design to design: over a range, a list or a distribution."""
+"""Variables of a study: over a range, a list or a distribution."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ class Variable:
         return np.asarray(first * np.exp(spread * standard - spread**2 / 2))
 
     def value(self, number: float) -> float | str:
-        """What a model gets: a quantity in SI units, or the text at a place in the list."""
+        """Value for the model: a quantity in SI units, or the text at a place in the list."""
         return self.numbers[int(number)] if self.is_text else float(number)
 
     def check(self, parameters: Parameters) -> None:
@@ -215,7 +215,7 @@ def known_variable(
     keys: Sequence[str],
     speed: Dimension,
 ) -> Dimension | None:
-    """What the keys of a variable are: all of one kind.
+    """Kind of the keys of a variable: all of one kind.
 
     Parameters
     ----------
@@ -251,7 +251,7 @@ def known_variable(
 
 
 def as_values(variables: Sequence[Variable], row: FloatArray) -> Mapping[str, float | str]:
-    """What the keys of the model get in one design.
+    """Values of the model's keys in one design.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from flexmech.verification.methods import METHODS
 
 Verdict = Literal["passed", "failed", "skipped"]
 DeviationKind = Literal["relative", "relative to the largest", "absolute"]
-"""What a difference is divided by: the expected number, the largest expected one, or nothing."""
+"""Divisor of a difference: the expected number, the largest expected one, or none."""
 
 # Packages of extras by the names that Python imports them by.
 _EXTRAS = {"skfem": "scikit-fem, of the extra 'verify'"}
@@ -136,7 +136,7 @@ class VerificationCase:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a case has come to.
+    """Outcome of a case.
 
     Parameters
     ----------

@@ -114,7 +114,7 @@ def _dataset(outcomes: Sequence[Outcome]) -> xr.Dataset:
 
 
 def _label(case: VerificationCase, number: int, count: int) -> str:
-    """What a number of a case is called; empty where there is none, or one alone."""
+    """Name of a number of a case; empty where there is none, or one alone."""
     if number >= count:
         return ""
     if case.labels:
@@ -141,7 +141,7 @@ _VARIABLES = {
 
 
 class Verification(Result):
-    """What was computed in each case of the verification, and whether it is near enough.
+    """Computed numbers of the verification cases, and whether they are near enough.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ class Verification(Result):
         )
 
     def _farthest(self) -> str:
-        """Which case comes nearest to its tolerance, or is farthest beyond it."""
+        """The case that comes nearest to its tolerance, or is farthest beyond it."""
         shares = [_share(case) for case in self._cases()]
         if not any(share >= 0 for share in shares):
             return "nothing was compared"

@@ -1,1 +1,1 @@
-"""What several analyses report about one thing: a motor, the force that shakes the frame."""
+"""Common aspects of several analyses: a motor, the force that shakes the frame."""

@@ -104,7 +104,7 @@ def settled_values(run: MotorRun, mechanism: Mechanism) -> dict[str, FloatArray]
 
 
 def motor_values(run: MotorRun, given: MotorOutput, speed: FloatArray) -> dict[str, FloatArray]:
-    """What a motor gives over time.
+    """Output of a motor over time.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def last_turn(angle: FloatArray, speed: FloatArray, time: FloatArray) -> tuple[f
 
 
 def motor_aspect(data: xr.Dataset) -> Aspect:
-    """What a motor does: nothing of a result without one.
+    """Share of a motor in a summary; empty for a result without one.
 
     Parameters
     ----------
@@ -180,28 +180,28 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
             return (f"The motor does not start: it stalls at {angle}, where {needed}.",)
         return (f"The motor stalls at {angle}, after {known['stall_time']:.4g} s: {needed}.",)
     if "elastic_settled_speed" in known:
-        part, rigid = (
+        share, rigid = (
             rounded(100 * known[name], 0.0, 3)
             for name in ("elastic_settled_fluctuation", "settled_fluctuation")
         )
         speed = speed_with_unit(data, known["elastic_settled_speed"])
         return (
-            f"Settled, the motor turns the linkage at {speed}, which fluctuates by {part} % of it "
+            f"Settled, the motor turns the linkage at {speed}, which fluctuates by {share} % of it "
             f"over the turn; with rigid links by {rigid} %.",
         )
     if "settled_speed" in known:
-        part = rounded(100 * known["settled_fluctuation"], 0.0, 3)
+        share = rounded(100 * known["settled_fluctuation"], 0.0, 3)
         speed = speed_with_unit(data, known["settled_speed"])
         if not known["settled_in_run"]:
             end = speed_with_unit(data, known["crank_speed_of_run_end"])
             force, joint = _settled_force(data)
             return (
                 f"The run ends at {end}, before the motor has settled: settled, it turns the rigid "
-                f"linkage at {speed}, which fluctuates by {part} % of it over the turn, with joint "
-                f"forces of up to {force}, at {joint}. What follows is of the run.",
+                f"linkage at {speed}, which fluctuates by {share} % of it over the turn, with "
+                f"joint forces of up to {force}, at {joint}. What follows is of the run.",
             )
         return (
-            f"Settled, the motor turns the rigid linkage at {speed}, which fluctuates by {part} % "
+            f"Settled, the motor turns the rigid linkage at {speed}, which fluctuates by {share} % "
             "of it over the turn.",
         )
     end = abs(float(data["motor_speed"].isel(time=-1).max())) / known["gear_ratio"]
@@ -243,10 +243,10 @@ def _lines(data: xr.Dataset) -> tuple[str, ...]:
         )
     if "last_turn_speed" in data and bool(np.isfinite(data["last_turn_speed"]).all()):
         texts = ", ".join(
-            f"{speed_with_unit(data, own['last_turn_speed'])}, coefficient of fluctuation "
-            f"{float(own['last_turn_fluctuation']):.4g} ({own['engine'].item()})"
-            for _, own in data.groupby("engine", squeeze=False)
-            for own in [own.isel(engine=0)]
+            f"{speed_with_unit(data, of_engine['last_turn_speed'])}, coefficient of fluctuation "
+            f"{float(of_engine['last_turn_fluctuation']):.4g} ({of_engine['engine'].item()})"
+            for _, of_engine in data.groupby("engine", squeeze=False)
+            for of_engine in [of_engine.isel(engine=0)]
         )
         which = "only turn of the run, from rest" if _is_one_turn(data) else "last turn of the run"
         lines.append(f"{which}, with elastic links: mean speed {texts}")
@@ -261,30 +261,32 @@ def _is_one_turn(data: xr.Dataset) -> bool:
 
 def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     """Peaks of torque, power and current; settled speed and fluctuation, or the stall."""
-    found = []
+    quantities = []
     for name, unit in (("motor_torque", "N m"), ("motor_power", "W"), ("motor_current", "A")):
         if name in data:
             sizes = abs(data[name]).max("time")
             value, apart = float(sizes.max()), float(sizes.max() - sizes.min())
             error = apart if "engine" in sizes.dims else _LEAST_ERROR * value
-            found.append(Quantity(f"peak_{name}", value, unit, error))
+            quantities.append(Quantity(f"peak_{name}", value, unit, error))
     known = data.attrs
     if "stall_angle" in known:
         angle = DEGREES * float(known["stall_angle"])
-        found.append(Quantity("stall_angle", angle, "deg", abs(angle) * _LEAST_ERROR))
+        quantities.append(Quantity("stall_angle", angle, "deg", abs(angle) * _LEAST_ERROR))
     if "elastic_settled_speed" in known:
         # Engines that run on the motion that was found tell how far it is off.
         for name, of in (("settled_crank_speed", "speed"), ("speed_fluctuation", "fluctuation")):
             value = float(known[f"elastic_settled_{of}"])
             error = float(abs(data[f"last_turn_{of}"] - value).max())
-            found.append(Quantity(name, value, "rad/s" if of == "speed" else "", error))
+            quantities.append(Quantity(name, value, "rad/s" if of == "speed" else "", error))
     elif "settled_speed" in known:
         speed, part = float(known["settled_speed"]), float(known["settled_fluctuation"])
-        found.append(Quantity("settled_crank_speed", speed, "rad/s", abs(speed) * _LEAST_ERROR))
-        found.append(Quantity("speed_fluctuation", part, "", part * _LEAST_ERROR))
+        quantities.append(
+            Quantity("settled_crank_speed", speed, "rad/s", abs(speed) * _LEAST_ERROR)
+        )
+        quantities.append(Quantity("speed_fluctuation", part, "", part * _LEAST_ERROR))
         force = float(data["settled_joint_force"].max())
-        found.append(Quantity("settled_joint_force", force, "N", force * _BETWEEN))
-    return tuple(found)
+        quantities.append(Quantity("settled_joint_force", force, "N", force * _BETWEEN))
+    return tuple(quantities)
 
 
 def _settled_force(data: xr.Dataset) -> tuple[str, str]:
@@ -311,8 +313,8 @@ def _peaks(data: xr.Dataset, name: str) -> str:
     if "engine" not in sizes.dims:
         return rounded(float(sizes), 0.0, 5)
     return ", ".join(
-        f"{rounded(float(own), 0.0, 5)} ({engine})"
-        for own, engine in zip(sizes.values, data["engine"].values, strict=True)
+        f"{rounded(float(force), 0.0, 5)} ({engine})"
+        for force, engine in zip(sizes.values, data["engine"].values, strict=True)
     )
 
 

@@ -46,7 +46,7 @@ class DrivenShaft(NamedTuple):
     torque, speed, acceleration : ndarray, shape (N,)
         In N m, with what the shaft's own inertia takes, rad/s and rad/s^2.
     inertia : ndarray, shape (N,)
-        Of linkage and shaft, reduced to the crank, in kg m^2.
+        Inertia of linkage and shaft, reduced to the crank, in kg m^2.
     """
 
     place: FloatArray
@@ -80,7 +80,7 @@ def candidate_values(motors: Sequence[CatalogueMotor], shaft: DrivenShaft) -> Va
     Returns
     -------
     dict
-        Of variables over ``candidate``.
+        Variables over ``candidate``.
     """
     rows: dict[str, list[Any]] = {}
     for motor in motors:

@@ -1,4 +1,4 @@
-"""What sizes a motor and the bearings: mean and greatest torque, power, speed and joint forces.
+"""Sizes of a motor and bearings: mean and greatest torque, power, speed and joint forces.
 
 A motor heats up by the square of its torque, so that its root mean square counts; the life of a
 rolling bearing goes with the third power of its load, so that the cubic mean is the equivalent one
@@ -130,7 +130,7 @@ def _inertia_ratio(run: MotorRun) -> tuple[float, float]:
 
 
 def sizing_aspect(data: xr.Dataset, errors: xr.DataArray | None = None) -> Aspect:
-    """What motor and bearings must bear, as a table and as numbers.
+    """Sizes of motor and bearings, as a table and as numbers.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Which counterweights keep a linkage from shaking its frame, and what they cost."""
+"""Counterweights against the shaking force of a linkage, and their cost."""

@@ -135,7 +135,7 @@ _GRADIENT = 1e-12
 
 @dataclass(frozen=True)
 class Loads:
-    """What is weighed, along crank angles (A,).
+    """Weighed quantities along crank angles (A,).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What can be asked of counterweights: for what they balance, where they are, at which speed."""
+"""Request of counterweights: their purpose, their places and the speed."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from flexmech.validation import (
 )
 
 WEIGHED = ("shaking force", "shaking moment", "driving torque")
-"""What a compromise weighs against each other, in the order of its weights."""
+"""Quantities that a compromise weighs, in the order of its weights."""
 
 EQUAL = (1.0, 1.0, 1.0)
 """Weights of the compromise for a four-bar, if none are asked for."""
 
 
 class BalanceRequest(BalanceOptions):
-    """What counterweights shall do, and where they may be, checked.
+    """Checked request of counterweights: their purpose and their places.
 
     Parameters as for :class:`flexmech.analyses.options.BalanceOptions`.
 

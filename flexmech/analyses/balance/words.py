@@ -1,4 +1,4 @@
-"""What a balance says: the counterweights, what they take off the frame, and what they cost."""
+"""A balance in words: the counterweights, their gain and their cost."""
 
 from __future__ import annotations
 
@@ -97,8 +97,8 @@ def _answer(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[str, ...]:
     aim = str(data.attrs["aim"])
     said = ["No counterweight is needed: none would lessen the quantities weighed."]
     if heavy:
-        each = "; ".join(_counterweight_text(data, number) for number in heavy)
-        said = [f"{aim[:1].upper()}{aim[1:]}: {each}."]
+        masses = "; ".join(_counterweight_text(data, number) for number in heavy)
+        said = [f"{aim[:1].upper()}{aim[1:]}: {masses}."]
     force, moment = changes["shaking_force"], changes["shaking_moment"]
     said.append(
         f"The shaking force of rigid links {force.words()}, the shaking moment {moment.words()}"
@@ -132,10 +132,10 @@ def _mass(data: xr.Dataset, number: int) -> float:
 
 def _counterweight_text(data: xr.Dataset, number: int) -> str:
     """Mass, link and place of a counterweight."""
-    own = data.isel(counterweight=number)
-    link, about = str(own["counterweight"].item()), str(own["counterweight_about"].item())
-    radius = plain(_MM * own["counterweight_radius"].item())
-    turned = DEGREES * own["counterweight_angle"].item()
+    weight = data.isel(counterweight=number)
+    link, about = str(weight["counterweight"].item()), str(weight["counterweight_about"].item())
+    radius = plain(_MM * weight["counterweight_radius"].item())
+    turned = DEGREES * weight["counterweight_angle"].item()
     where = f"{radius} mm from {about}"
     if abs(abs(turned) - 180.0) <= _ALONG:
         where += ", opposite the link"
@@ -153,23 +153,23 @@ def _elastic_words(changes: dict[str, _Change]) -> str:
 
 def _changes(data: xr.Dataset) -> list[_Change]:
     """Greatest values before and after, in the order of the table."""
-    found = [
+    changes = [
         _peak(data, "shaking_force", "shaking force, rigid links", "N"),
         _peak(data, "shaking_moment", f"shaking moment about {point_text(data)}", "N m"),
     ]
     if "elastic_shaking_force" in data:
-        found += [
+        changes += [
             _peak(data, "elastic_shaking_force", "shaking force, elastic links", "N"),
             _peak(data, "elastic_shaking_moment", "shaking moment, elastic links", "N m"),
         ]
-    found.append(_peak(data, "driving_torque", "driving torque", "N m"))
-    found += _joint_changes(data)
+    changes.append(_peak(data, "driving_torque", "driving torque", "N m"))
+    changes += _joint_changes(data)
     masses = (_GRAM * data["moving_mass"]).values.tolist()
-    found.append(_Change("moving_mass", "moving mass", "g", *masses))
+    changes.append(_Change("moving_mass", "moving mass", "g", *masses))
     if "first_frequency" in data:
         frequencies = data["first_frequency"].values.tolist()
-        found.append(_Change("first_frequency", "first natural frequency", "Hz", *frequencies))
-    return found
+        changes.append(_Change("first_frequency", "first natural frequency", "Hz", *frequencies))
+    return changes
 
 
 def _joint_changes(data: xr.Dataset) -> list[_Change]:
@@ -248,10 +248,10 @@ def _warnings(changes: dict[str, _Change]) -> Iterator[str]:
 
 def _numbers(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[Quantity, ...]:
     numbers = [
-        Quantity(f"counterweight_{name}", factor * float(own), unit, of=link)
+        Quantity(f"counterweight_{name}", factor * float(value), unit, of=link)
         for number, link in enumerate(data["counterweight"].values.astype(str).tolist())
         for name, unit, factor in _OF_COUNTERWEIGHTS
-        for own in [data[f"counterweight_{name}"][number]]
+        for value in [data[f"counterweight_{name}"][number]]
     ]
     for one in changes.values():
         peak = "" if one.name in ("first_frequency", "moving_mass") else "peak_"

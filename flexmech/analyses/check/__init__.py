@@ -1,1 +1,1 @@
-"""What is known of a mechanism, and its natural frequencies at rest."""
+"""Properties of a mechanism, and its natural frequencies at rest."""

@@ -1,4 +1,4 @@
-"""What is known of a mechanism: sections, masses, words, and natural frequencies at rest."""
+"""Properties of a mechanism: sections, masses, words, and natural frequencies at rest."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _cell(value: float, rigid: bool) -> str:
 
 
 class ModelCheck(Result):
-    """What is known of a mechanism, and its natural frequencies at rest.
+    """Properties of a mechanism, and its natural frequencies at rest.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ class ModelCheck(Result):
         return f"The first natural {many} {listed} Hz, at rest and {angle}."
 
     def _undamped(self) -> str:
-        """That no link damps, where none does."""
+        """Remark that no link damps, where none does."""
         times = self.dataset["damping_time_bending"].values
         if not np.isfinite(times).any() or np.nanmax(times) > 0:
             return ""
@@ -216,7 +216,7 @@ class ModelCheck(Result):
         return trust_line([str(self.dataset.attrs["engine"])], error)
 
     def _mesh_line(self) -> str:
-        """By which engine and mesh the natural frequencies at rest are, or why there are none."""
+        """Engine and mesh of the natural frequencies at rest, or why there are none."""
         attributes = self.dataset.attrs
         made = f"{attributes['engine']} engine, {attributes['elements']} elements a link"
         angle = f"{np.degrees(self.dataset['frequency_angle'].item()):.6g} deg"
@@ -256,7 +256,7 @@ class ModelCheck(Result):
 
 @asks(CheckOptions)
 def check_mechanism(mechanism: Engine | Mechanism, asked: CheckOptions) -> ModelCheck:
-    """What is known of a mechanism, with its natural frequencies at rest and remarks on it.
+    """Check a mechanism: properties, natural frequencies at rest, and remarks.
 
     Parameters
     ----------
@@ -342,7 +342,7 @@ def _at_rest(engine: Engine, crank_angle: float, modes: int) -> tuple[FloatArray
 
 
 def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:
-    """What heat and moisture change, if there is anything."""
+    """Keys that heat and moisture change, if there are any."""
     inert = inert_links(mechanism)
     changed = [name for name in mechanism.linkage.topology.link_names if name not in inert]
     if not changed:

@@ -1,4 +1,4 @@
-"""What a linkage is in a sentence, and what an engineer would remark on in a mechanism.
+"""A linkage in a sentence, and remarks of an engineer on a mechanism.
 
 What cannot be at all is refused where a number is read (:mod:`flexmech.plausible`); here are the
 ranges of what is usual. Sections without known layers are judged by what their stiffnesses and
@@ -76,7 +76,7 @@ def turns_fully(linkage: Linkage) -> bool:
 
 
 def _planar_kind(linkage: PlanarLinkage) -> str:
-    """What a drawing shows: a slider-crank with its lengths, or how many links and sliders."""
+    """A drawing in words: a slider-crank with its lengths, or the number of links and sliders."""
     links, topology = linkage.links, linkage.topology
     sliders = topology.sliders
     count, many = len(links), len(sliders)
@@ -117,11 +117,11 @@ def on_transmission(linkage: PlanarLinkage, least: float) -> Iterator[str]:
         return
     for joint, angle in linkage.transmission_angles(_TURN).items():
         place = int(angle.argmin())
-        found = math.degrees(float(angle[place]))
-        if found < least:
+        degrees = math.degrees(float(angle[place]))
+        if degrees < least:
             yield (
-                f"joint {joint}: transmission angle {found:.4g} deg (pressure angle "
-                f"{90 - found:.4g} deg) at crank angle {math.degrees(_TURN[place]):.4g} deg is "
+                f"joint {joint}: transmission angle {degrees:.4g} deg (pressure angle "
+                f"{90 - degrees:.4g} deg) at crank angle {math.degrees(_TURN[place]):.4g} deg is "
                 f"below {least:g} deg: joint forces are large for little motion"
             )
 
@@ -207,19 +207,19 @@ def remarks(mechanism: Mechanism, frequency: FloatArray | None = None) -> tuple[
     tuple of str
         Empty where nothing stands out.
     """
-    found = [*_on_sections(mechanism), *_on_masses(mechanism), *_on_environment(mechanism)]
+    remarks = [*_on_sections(mechanism), *_on_masses(mechanism), *_on_environment(mechanism)]
     if isinstance(mechanism.linkage, FourBar):
-        found += _on_four_bar(mechanism.linkage, mechanism.operating_speeds)
+        remarks += _on_four_bar(mechanism.linkage, mechanism.operating_speeds)
     if isinstance(mechanism.linkage, PlanarLinkage):
-        found += _on_drawing(mechanism.linkage)
-        found += on_transmission(mechanism.linkage, USUAL_TRANSMISSION_ANGLE[0])
+        remarks += _on_drawing(mechanism.linkage)
+        remarks += on_transmission(mechanism.linkage, USUAL_TRANSMISSION_ANGLE[0])
         if mechanism.operating_speeds and not mechanism.linkage.drawing.is_stationary:
-            found += _on_turning(mechanism.linkage)
+            remarks += _on_turning(mechanism.linkage)
     first = None if frequency is None or not len(frequency) else float(frequency[0])
-    found += on_drive(mechanism, first)
+    remarks += on_drive(mechanism, first)
     if frequency is not None and len(frequency) and frequency[0] > 0:
-        found += _on_first_frequency(mechanism, float(frequency[0]))
-    return tuple(found)
+        remarks += _on_first_frequency(mechanism, float(frequency[0]))
+    return tuple(remarks)
 
 
 def _on_sections(mechanism: Mechanism) -> Iterator[str]:
@@ -296,7 +296,7 @@ def _on_shape(section: BeamSection, length: float) -> Iterator[str]:
 
 def _on_masses(mechanism: Mechanism) -> Iterator[str]:
     links = mechanism.linkage.topology.links
-    own = sum(
+    total = sum(
         mechanism.sections[link.name].mass_per_length * link.length
         for link in links
         if link.name in mechanism.sections
@@ -306,12 +306,12 @@ def _on_masses(mechanism: Mechanism) -> Iterator[str]:
         f"{point.link} at {_mm(point.position)}": point.mass for point in mechanism.link_masses
     }
     for where, mass in masses.items():
-        if mass > _MOST_ADDED * own:
+        if mass > _MOST_ADDED * total:
             yield (
-                f"{where}: a point mass of {mass:.4g} kg is {mass / own:.3g} times the mass of all "
-                "links; check its unit"
+                f"{where}: a point mass of {mass:.4g} kg is {mass / total:.3g} times the mass of "
+                "all links; check its unit"
             )
-    size, every = max(link.length for link in links), own + sum(masses.values())
+    size, every = max(link.length for link in links), total + sum(masses.values())
     for body in mechanism.bodies:
         rest = every - body.mass
         if rest and body.mass > _MOST_ADDED * rest:
@@ -351,9 +351,9 @@ def _on_four_bar(linkage: FourBar, speeds: tuple[float, ...]) -> Iterator[str]:
                 "stated"
             )
     elif least < math.radians(low) or greatest > math.radians(high):
-        found = " to ".join(f"{math.degrees(angle):.4g}" for angle in (least, greatest))
+        ends = " to ".join(f"{math.degrees(angle):.4g}" for angle in (least, greatest))
         yield (
-            f"transmission angle {found} deg leaves the usual {low:g} to {high:g} deg: "
+            f"transmission angle {ends} deg leaves the usual {low:g} to {high:g} deg: "
             "joint forces are large for little motion; see flexmech synthesize"
         )
     lengths = sorted(linkage.lengths.values())

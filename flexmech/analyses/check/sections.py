@@ -98,7 +98,7 @@ def section_properties(sections: Mapping[str, BeamSection | None]) -> xr.Dataset
 
 
 def _known(section: BeamSection) -> dict[str, float]:
-    """What is known of a section, its properties among it."""
+    """Data of a section, its properties among them."""
     known = vars(section) | {"coupling_stiffness": section.coupling_stiffness}
     for action, time in vars(section.damping).items():
         known[f"damping_time_{action}"] = time

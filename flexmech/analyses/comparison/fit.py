@@ -48,7 +48,7 @@ _FREQUENCIES = 8192
 
 @dataclass(frozen=True)
 class Parameter:
-    """What is fitted.
+    """Parameter to be fitted.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class Problem(Protocol):
 
     @property
     def parameters(self) -> Sequence[Parameter]:
-        """What is fitted."""
+        """Parameters to be fitted."""
 
     @property
     def measured(self) -> FloatArray:

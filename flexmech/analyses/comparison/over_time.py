@@ -146,7 +146,7 @@ class TimeProblem(RecordProblem):
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
-        """What is fitted, and the crank angle at the beginning where the record has none."""
+        """Fitted parameters, and the crank angle at the beginning where the record has none."""
         return self.names if self.angle is not None else (*self.names, START_ANGLE)
 
     @property
@@ -236,7 +236,7 @@ class TimeProblem(RecordProblem):
         return self._models[key]
 
     def _rows(self, engine: Engine, gauge: Gauge) -> list[FloatArray | None]:
-        """What a gauge reads of each link."""
+        """Reading of a gauge on each link."""
         return [gauge.row(engine) if link == gauge.link else None for link in self.links]
 
     def _greatest_deflection(self, values: Mapping[str, float]) -> float:

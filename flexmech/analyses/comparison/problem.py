@@ -196,7 +196,7 @@ CURVES = ("measured", "computed", "residual")
 
 @dataclass(frozen=True)
 class LinearTerms:
-    """What a computed record is a sum of.
+    """Terms of a computed record.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ class LinearTerms:
     free: FloatArray | None = None
 
     def bound(self, values: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
-        """What of a curve (N,) the free motions cannot follow."""
+        """Part of a curve (N,) that the free motions cannot follow."""
         return values if self.free is None else values - self.free @ (self.free.T @ values)
 
     def curve(
@@ -283,11 +283,11 @@ class RecordProblem(ABC):
     quantity: str = ""
 
     dimension: ClassVar[str]
-    """What the record is written over."""
+    """Abscissa of the record."""
 
     @abstractmethod
     def linear_terms(self, values: Mapping[str, float]) -> LinearTerms:
-        """What the computed record is a sum of, for values by name but gain and offset."""
+        """Terms of the computed record, for values by name but gain and offset."""
 
     def curve(self, values: Mapping[str, float]) -> FloatArray | ComplexArray:
         """Computed record (N,) for values by name, nearest to the measured one."""
@@ -319,7 +319,7 @@ class RecordProblem(ABC):
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """What is fitted, from the best of the crank angles and damping times tried."""
+        """Fitted parameters, from the best of the crank angles and damping times tried."""
         unit_time, size = self.unit_time, float(np.std(self.record))
         kinds = {
             DAMPING: Parameter("", "s", unit_time, unit_time),

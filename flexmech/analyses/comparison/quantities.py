@@ -1,4 +1,4 @@
-"""Which computed quantity a record's column is compared with: gauges on links."""
+"""Computed quantity for a record's column: gauges on links."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_STRAIN = 0.1
 
 @dataclass(frozen=True)
 class Gauge:
-    """What is read of a running link.
+    """Quantity that is read of a running link.
 
     Parameters
     ----------

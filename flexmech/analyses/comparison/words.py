@@ -65,10 +65,10 @@ def _parameters(data: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
 def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     """Fitted parameters with half of their 95 % intervals, and what they leave unexplained."""
     fitted = []
-    for kind, link, own in _parameters(data):
-        unit = _unit(own)
-        half = float(own["upper"] - own["lower"]) / 2
-        fitted.append(Quantity(f"fitted_{kind}", float(own["fitted"]), unit, half, link))
+    for kind, link, parameter in _parameters(data):
+        unit = _unit(parameter)
+        half = float(parameter["upper"] - parameter["lower"]) / 2
+        fitted.append(Quantity(f"fitted_{kind}", float(parameter["fitted"]), unit, half, link))
     return (*fitted, Quantity("unexplained", 100 * float(data.attrs["unexplained"]), "%"))
 
 
@@ -78,17 +78,17 @@ def _unit(parameter: xr.Dataset) -> str:
 
 
 def _answer(data: xr.Dataset) -> tuple[str, ...]:
-    """What fits best, and what of the record it leaves unexplained."""
+    """Best values, and the part of the record that stays unexplained."""
     *fitted, unexplained = _numbers(data)
     lines = []
-    for one, (kind, link, own) in zip(fitted, _parameters(data), strict=True):
-        low, high = (f"{float(own[end]):.5g}" for end in ("lower", "upper"))
+    for one, (kind, link, parameter) in zip(fitted, _parameters(data), strict=True):
+        low, high = (f"{float(parameter[end]):.5g}" for end in ("lower", "upper"))
         what, of = kind.replace("_", " "), ""
         if kind == STIFFNESS:
             what, of = f"stiffness of the {link}", " of the model's"
         elif kind == DAMPING:
             what = f"damping time of {f'the {link}' if link else 'the links'}"
-            if not float(own["lower"]) > 0:
+            if not float(parameter["lower"]) > 0:
                 whose = what.removeprefix("damping time ")
                 what = f"record shows no damping {whose}: the damping time that fits best"
         lines.append(f"The {what} is {one}{of} ({low} to {high} with 95 % probability).")
@@ -102,17 +102,17 @@ def _fit_table(data: xr.Dataset) -> Table | None:
     """Fitted parameters with their 95 % intervals; None where nothing was fitted."""
     rows = []
     for name in data["parameter"].values.tolist():
-        own = data.sel(parameter=name)
+        parameter = data.sel(parameter=name)
         keys = ("fitted", "standard_error", "lower", "upper")
-        value, error, lower, upper = (f"{float(own[key]):.5g}" for key in keys)
-        rows.append((name, value, _unit(own) or "-", error, f"{lower} to {upper}"))
+        value, error, lower, upper = (f"{float(parameter[key]):.5g}" for key in keys)
+        rows.append((name, value, _unit(parameter) or "-", error, f"{lower} to {upper}"))
     headings = ("parameter", "value", "unit", "std. error", "95 % interval")
     title = f"fitted to {data.attrs['record']}, {data.attrs['mechanism']}"
     return Table(title, headings, (tuple(rows),)) if rows else None
 
 
 def _trust(data: xr.Dataset) -> str:
-    """What the residual does to the intervals."""
+    """Effect of the residual on the intervals."""
     order, widened = data.attrs["residual_order"], data.attrs["widened"]
     if not data.sizes["parameter"]:
         return "no interval is known: nothing was fitted, the model is compared as it is"
@@ -160,11 +160,11 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
         angle = DEGREES * float(attrs["crank_angle_locked"])
         yield Quantity("locked crank angle", angle, "deg")
     hertz = float(attrs["first_frequency"])
-    for kind, link, own in _parameters(data):
+    for kind, link, parameter in _parameters(data):
         if kind == DAMPING:
             ratio, half = (
                 100 * np.pi * hertz * float(value)
-                for value in (own["fitted"], (own["upper"] - own["lower"]) / 2)
+                for value in (parameter["fitted"], (parameter["upper"] - parameter["lower"]) / 2)
             )
             of = f"{f'{link}, ' if link else ''}{hertz:.4g} Hz"
             yield Quantity("damping ratio of the first mode", ratio, "%", half, of)
@@ -179,14 +179,14 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
 
 
 def _notes(data: xr.Dataset) -> Iterator[str]:
-    """What was compared with what, and what to do with the numbers."""
+    """Compared quantities, and the use of the numbers."""
     attrs, written = data.attrs, []
     yield (
         f"compared: {attrs['column']!r} of {attrs['record']} with {attrs['quantity']} of the "
         f"{attrs['engine']} engine ({attrs['element']})"
     )
-    for kind, link, own in _parameters(data):
-        value = float(own["fitted"])
+    for kind, link, parameter in _parameters(data):
+        value = float(parameter["fitted"])
         if kind == DAMPING and value > 0:
             written.append(f'damping_time = "{value:.4g} s" of {link or "each link"}')
         elif kind == STIFFNESS:
@@ -196,7 +196,7 @@ def _notes(data: xr.Dataset) -> Iterator[str]:
 
 
 def _warnings(data: xr.Dataset) -> tuple[str, ...]:
-    """What makes the fit worthless, or is to be known before it is used."""
+    """Warnings on a fit that is worthless, or to be known before it is used."""
     attrs = data.attrs
     if "sample" in data.dims:
         # Frequencies that hardly move with the crank angle have hardly any variance to explain.
@@ -215,7 +215,7 @@ def _warnings(data: xr.Dataset) -> tuple[str, ...]:
 
 
 def _placed(data: xr.Dataset) -> tuple[str, ...]:
-    """Which mode a record without the numbers of its modes was laid beside."""
+    """Mode that a record without numbers of modes was compared with."""
     if not data.attrs["mode_found"]:
         return ()
     return (
@@ -226,7 +226,7 @@ def _placed(data: xr.Dataset) -> tuple[str, ...]:
 
 
 def _unexplained(attrs: Mapping[str, Any]) -> str:
-    """What to look at where most of a record is unexplained."""
+    """Likely causes where most of a record is unexplained."""
     left = f"{100 * attrs['unexplained']:.3g} % of the record remain unexplained"
     turned = attrs.get("turned_unexplained", float("nan"))
     if turned < _TURNED_BETTER * attrs["unexplained"] and "gain" in attrs:
@@ -247,15 +247,15 @@ def _unexplained(attrs: Mapping[str, Any]) -> str:
 
 def _odd_values(data: xr.Dataset) -> Iterator[str]:
     """Fitted values that fit well and that no linkage or calibration has."""
-    for kind, link, own in _parameters(data):
-        value = float(own["fitted"])
+    for kind, link, parameter in _parameters(data):
+        value = float(parameter["fitted"])
         if kind == GAIN and not 1 / _CALIBRATION < value < _CALIBRATION:
             check = "the gauge or the hammer is turned around" if value < 0 else "check the units"
             yield (
                 f"a gain of {value:.4g} is no calibration: {check} (damping and stiffness do not "
                 "depend on it)"
             )
-        if kind == DAMPING and float(own["upper"]) < 0:
+        if kind == DAMPING and float(parameter["upper"]) < 0:
             yield (
                 f"the record grows where {f'{kind}:{link}' if link else kind} is to make it decay, "
                 "which no material does: check the order of its samples, or the sign of its "

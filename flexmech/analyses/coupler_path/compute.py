@@ -148,9 +148,9 @@ def _states_table(data: xr.Dataset) -> Table:
     """A row for each state."""
     limits, rows = data.get("transmission_angle_limit"), []
     for number, state in enumerate(data["state"].values.tolist()):
-        own = data.isel(state=number)
-        x, y = (1e3 * own["extent"]).transpose("component", "bound").values.tolist()
-        cells = [_text(value, own) for value in (*x, *y)]
+        of_state = data.isel(state=number)
+        x, y = (1e3 * of_state["extent"]).transpose("component", "bound").values.tolist()
+        cells = [_text(value, of_state) for value in (*x, *y)]
         if limits is not None:
             angles = DEGREES * limits.isel(state=number).values
             counts = _counted(data, state)
@@ -194,15 +194,15 @@ def _moved(data: xr.Dataset) -> tuple[float, float]:
 def _numbers(data: xr.Dataset) -> Iterator[Quantity]:
     """Extents of each state, its double points and transmission angles, and the displacement."""
     for number, state in enumerate(data["state"].values.tolist()):
-        own = data.isel(state=number)
-        noise = 1e3 * ROUND_OFF * float(abs(own["position"]).max())
-        for axis, (low, high) in zip("xy", 1e3 * own["extent"].values, strict=True):
+        of_state = data.isel(state=number)
+        noise = 1e3 * ROUND_OFF * float(abs(of_state["position"]).max())
+        for axis, (low, high) in zip("xy", 1e3 * of_state["extent"].values, strict=True):
             yield Quantity(f"extent_{axis}", float(high - low), "mm", noise, state)
         if "transmission_angle_limit" in data:
             for kind, count in _counted(data, state).items():
                 yield Quantity(f"{kind}s", count, "", 0.0, state)
             for name, value in zip(
-                ("least", "greatest"), own["transmission_angle_limit"].values, strict=True
+                ("least", "greatest"), of_state["transmission_angle_limit"].values, strict=True
             ):
                 angle = float(DEGREES * value)
                 yield Quantity(f"{name}_transmission_angle", angle, "deg", ROUND_OFF * angle, state)
@@ -306,8 +306,8 @@ class _Path:
 
     def _extent(self, crank_angles: FloatArray) -> FloatArray:
         """Least and greatest coordinates from the first crank angle to the last, (2, 2) in m."""
-        found = extremes(self.position, np.unique(crank_angles))
-        return np.stack([found.least, found.greatest], axis=1)
+        ends = extremes(self.position, np.unique(crank_angles))
+        return np.stack([ends.least, ends.greatest], axis=1)
 
     def values(self, crank_angles: FloatArray, windows: FloatArray) -> Values:
         """The path, and what it does between pairs of crank angles (W, 2), finely drawn."""
@@ -316,7 +316,7 @@ class _Path:
         pins = [motion.position(self.link, x) for x in (0.0, body.length)]
         # A four-bar's coupler is shown with the rocker, and with all members.
         members = slice(self.link, self.link + (2 if self.is_curve else 1))
-        lengths = {own.name: own.length for own in topology.links}
+        lengths = {link.name: link.length for link in topology.links}
         values: Values = {
             "position": position,
             "pin_position": np.stack(pins, axis=1),
@@ -416,7 +416,7 @@ def _picture_angle(mechanism: Mechanism, angles: FloatArray) -> float:
 
 
 def _of_rubber(links: Sequence[str]) -> str:
-    """What a path is worth whose links are above their glass transition."""
+    """Warning on a path whose links are above their glass transition."""
     named = " and ".join(filter(None, [", ".join(links[:-1]), links[-1]]))
     return (
         f"the resin of {named} is above its wet glass transition, or moister than the rule of that "

@@ -1,4 +1,4 @@
-"""What a frequency map answers: where frequencies lie over the turn, and what moves them.
+"""Answer of a frequency map: ranges of frequencies over the turn, and their changes.
 
 How far two engines' frequencies differ, and whether their errors explain it.
 
@@ -88,7 +88,7 @@ def _at(dataset: xr.Dataset, difference: FloatArray, place: int) -> EngineAgreem
 
 
 def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
-    """That of two engines' frequencies which their errors explain least.
+    """The frequency of two engines that their errors explain least.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
 
 
 def _allowed(dataset: xr.Dataset) -> FloatArray:
-    """What the errors of two engines explain together, shape (speeds, angles, modes).
+    """Difference that the errors of two engines explain, shape (speeds, angles, modes).
 
     Where errors are not small their product counts too.
     """
@@ -137,27 +137,27 @@ def verdict(dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
     difference, allowed = _differences(dataset), _allowed(dataset)
     place = least_explained(difference.ravel(), allowed.ravel())
     explained = bool(difference.flat[place] <= allowed.flat[place])
-    found, unit = _at(dataset, difference, place), speed_unit(dataset)
-    first, second = found.engines
+    agreement, unit = _at(dataset, difference, place), speed_unit(dataset)
+    first, second = agreement.engines
     at_most = "at most " if place == difference.argmax() else ""
     return (
-        f"engines: {first} and {second} differ by {at_most}{found.relative_difference:.2e} of "
-        f"the frequency, at {speed_text(found.crank_speed, unit)} {unit}, "
-        f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}"
-        f"{_judged(found, explained, dataset, effect)}"
+        f"engines: {first} and {second} differ by {at_most}{agreement.relative_difference:.2e} of "
+        f"the frequency, at {speed_text(agreement.crank_speed, unit)} {unit}, "
+        f"{np.degrees(agreement.crank_angle):.6g} deg, mode {agreement.mode}"
+        f"{_judged(agreement, explained, dataset, effect)}"
     )
 
 
 def _judged(
-    found: EngineAgreement, explained: bool, dataset: xr.Dataset, effect: xr.DataArray | None
+    agreement: EngineAgreement, explained: bool, dataset: xr.Dataset, effect: xr.DataArray | None
 ) -> str:
     """Whether errors explain how far the engines differ; if not, which one to trust."""
-    place = {"crank_speed": found.crank_speed, "mode": found.mode}
+    place = {"crank_speed": agreement.crank_speed, "mode": agreement.mode}
     error = error_of_model(dataset).sel(place)
-    errors = {name: float(error.sel(engine=name)) for name in found.engines}
-    said = " and ".join(f"{errors[name]:.1e} of {name}" for name in found.engines)
+    errors = {name: float(error.sel(engine=name)) for name in agreement.engines}
+    said = " and ".join(f"{errors[name]:.1e} of {name}" for name in agreement.engines)
     if explained:
-        beyond = _beyond_tolerance(found.relative_difference, errors, dataset)
+        beyond = _beyond_tolerance(agreement.relative_difference, errors, dataset)
         return f", within their estimated errors ({said}){beyond}"
     if reason := theory_reason(dataset.attrs):
         return reason
@@ -165,7 +165,7 @@ def _judged(
         moving = str(abs(effect).max(DIMS[1:]).idxmax("engine").item())
         return f"; trust {moving}, whose links are in the states of the running motion"
     better, elements = min(errors, key=lambda name: errors[name]), dataset.sel(place)["element"]
-    kinds = ", ".join(f"{elements.sel(engine=name).item()} ({name})" for name in found.engines)
+    kinds = ", ".join(f"{elements.sel(engine=name).item()} ({name})" for name in agreement.engines)
     return (
         f", which is beyond their estimated errors ({said}); trust {better}, whose error is "
         f"the smaller: the elements are {kinds}"
@@ -262,9 +262,9 @@ def change_by_state(change: xr.DataArray, error: xr.DataArray, mode: int) -> str
     -------
     str
     """
-    own = change.isel(mode=mode)
+    of_mode = change.isel(mode=mode)
     known = float(error.isel(engine=0, mode=mode).max())
-    return percent_range(own.isel(engine=0), max(known, _apart(own)))
+    return percent_range(of_mode.isel(engine=0), max(known, _apart(of_mode)))
 
 
 def change_lines(change: xr.DataArray | None, error: xr.DataArray | None) -> list[str]:
@@ -366,13 +366,13 @@ def errors_in_hertz(extremes: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:
     xarray.Dataset
         ``lowest`` and ``highest`` over (engine, crank_speed, mode).
     """
-    relative, found = known_error(dataset), {}
+    relative, errors = known_error(dataset), {}
     for end in ("lowest", "highest"):
         value = extremes[end]
         apart = abs(value - value.isel(engine=0)).max("engine") + 0 * value
         mesh = relative * value
-        found[end] = mesh.where(mesh > apart, apart).transpose(*value.dims)
-    return xr.Dataset(found)
+        errors[end] = mesh.where(mesh > apart, apart).transpose(*value.dims)
+    return xr.Dataset(errors)
 
 
 def numbers(extremes: xr.Dataset, dataset: xr.Dataset) -> tuple[Quantity, ...]:
@@ -421,7 +421,7 @@ def trust(dataset: xr.Dataset) -> str:
 
 
 def disagreement(dataset: xr.Dataset, effect: xr.DataArray | None) -> tuple[str, ...]:
-    """What to do where two engines differ by more than their errors, and no theory says why.
+    """Advice where two engines differ by more than their errors, and no theory says why.
 
     Parameters
     ----------
@@ -436,7 +436,7 @@ def disagreement(dataset: xr.Dataset, effect: xr.DataArray | None) -> tuple[str,
         One, or none.
     """
     explained = effect is not None or theory_reason(dataset.attrs)
-    found = engine_difference(dataset)
-    if explained or found is None or not found.worth_a_warning:
+    difference = engine_difference(dataset)
+    if explained or difference is None or not difference.worth_a_warning:
         return ()
     return (verdict(dataset, effect),)

@@ -1,4 +1,4 @@
-"""What a frequency map says of the damping of its modes: ranges over the turn, and their errors."""
+"""Damping of the modes of a frequency map: ranges over the turn, and their errors."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def variables_of(dataset: xr.Dataset) -> tuple[str, ...]:
         ``strain_energy_damping``.
     """
     # Ratios of undamped links are there too, and have no errors.
-    found = {
+    damped = {
         "damping_ratio": "damping_ratio_reduction_error" in dataset,
         "strain_energy_damping": "strain_energy_damping" in dataset,
     }
-    return tuple(name for name, is_there in found.items() if is_there)
+    return tuple(name for name, is_there in damped.items() if is_there)
 
 
 def error_of_damping(dataset: xr.Dataset, variable: str) -> xr.DataArray:
@@ -92,7 +92,7 @@ def headings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 
 def caption(dataset: xr.Dataset) -> str:
-    """What the columns of damping are; empty where there are none."""
+    """Meaning of the columns of damping; empty where there are none."""
     by = {
         "damping_ratio": f"by {dataset.attrs.get('damped_by', 'Kelvin-Voigt')}",
         "strain_energy_damping": "by modal strain energy",
@@ -121,14 +121,16 @@ def cells(dataset: xr.Dataset, engine: str, speed: float, mode: int, *, both: bo
     list of str
         Two for each variable of :func:`variables_of`.
     """
-    found = []
+    texts = []
     for name in variables_of(dataset):
         every = damping_range(dataset, name).sel(crank_speed=speed, mode=mode)
-        own = every.sel(engine=engine)
+        of_engine = every.sel(engine=engine)
         for end in ("lowest", "highest"):
-            apart = float(abs(every[end] - own[end]).max()) if both else 0.0
-            found.append(percent_text(float(own[end]), np.fmax(float(own["error"]), apart)))
-    return found
+            apart = float(abs(every[end] - of_engine[end]).max()) if both else 0.0
+            texts.append(
+                percent_text(float(of_engine[end]), np.fmax(float(of_engine["error"]), apart))
+            )
+    return texts
 
 
 def percent_text(value: float, error: float) -> str:
@@ -150,27 +152,29 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
     -------
     tuple of Quantity
     """
-    unit, found = speed_unit(dataset), list[Quantity]()
+    unit, quantities = speed_unit(dataset), list[Quantity]()
     for name in variables_of(dataset):
         first = damping_range(dataset, name).isel(engine=0)
         for speed in dataset["crank_speed"].values:
             for mode in dataset["mode"].values.tolist():
-                own = first.sel(crank_speed=speed, mode=mode)
+                at_speed = first.sel(crank_speed=speed, mode=mode)
                 of = f"mode {mode} at {speed_text(speed, unit)} {unit}"
-                found += [
-                    Quantity(f"{end}_{name}", float(own[end]), "%", float(own["error"]), of)
+                quantities += [
+                    Quantity(
+                        f"{end}_{name}", float(at_speed[end]), "%", float(at_speed["error"]), of
+                    )
                     for end in ("lowest", "highest")
                 ]
-    return tuple(found)
+    return tuple(quantities)
 
 
 def trust(dataset: xr.Dataset) -> str:
     """How far damping ratios are known, to follow what is said of frequencies; may be empty."""
     said = ""
     for name in variables_of(dataset):
-        found = damping_range(dataset, name)
-        size = np.fmax(abs(found["lowest"]), abs(found["highest"]))
-        worst = float((found["error"] / size).where(size > _NOTHING).max())
+        extremes = damping_range(dataset, name)
+        size = np.fmax(abs(extremes["lowest"]), abs(extremes["highest"]))
+        worst = float((extremes["error"] / size).where(size > _NOTHING).max())
         if np.isfinite(worst):
             said += f"; {_HEADINGS[name].removesuffix(' %')} to {percent(worst)} of it"
     return said

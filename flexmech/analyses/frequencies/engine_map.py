@@ -289,7 +289,7 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
 
 @dataclass(frozen=True)
 class _CheckedSpeed:
-    """What the check angles tell of one speed, without the matrices.
+    """Shapes and errors at the check angles of one speed, without the matrices.
 
     Parameters
     ----------
@@ -409,7 +409,7 @@ def _along_angles(
     losses: StrainEnergyDamping | None,
     advance: Callable[[int], None],
 ) -> xr.Dataset:
-    """So many modes along the crank angles, batch by batch: tracked, spare ones among them."""
+    """A number of modes along the crank angles, batch by batch: tracked, with spare ones."""
     parts = []
     asked = request.formulation.modes
 

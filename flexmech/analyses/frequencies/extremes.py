@@ -37,7 +37,7 @@ MOST_ROUGH = 0.1
 
 
 class PredictedMinimum(NamedTuple):
-    """What quartics say of b curves; not a number where one has no minimum or is not to be trusted.
+    """Minima of b curves by quartics; not a number where there is none or it is not to be trusted.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ class Extremes:
     highest_angle: FloatArray
 
     def of_speed(self, number: int) -> Extremes:
-        """Those at one of several crank speeds, (m,)."""
+        """Brackets at one of several crank speeds, (m,)."""
         return Extremes(
             self.lowest_frequency[number],
             self.lowest_angle[number],
@@ -397,20 +397,20 @@ class _Brackets:
         return np.asarray(order[np.unique(self.curve[order], return_index=True)[1]])
 
     def may_be_lowest(self) -> NDArray[np.bool_]:
-        """Which may come below what is known of their curve, at slopes as around them; (b,)."""
+        """Whether brackets may fall below the least of their curve, at slopes as around; (b,)."""
         least = self.value[1, self.lowest()][self.curve]
         bound = _lower_bound(self.value[0], self.value[2], self.slope, self.angle)
         return np.asarray(np.minimum(bound, self.value[1]) <= least)
 
     def may_fall(self) -> NDArray[np.bool_]:
-        """Which may come below their own value by more than round-off, at such slopes; (b,)."""
+        """Whether brackets may fall below their value by more than round-off; (b,)."""
         here = self.value[1]
         bound = _lower_bound(self.value[0], self.value[2], self.slope, self.angle)
         return np.asarray(bound < here - LEAST_ERROR * np.abs(here))
 
     @property
     def has_width(self) -> NDArray[np.bool_]:
-        """Which are around a minimum, and not at an end of the angles; shape (b,)."""
+        """Whether brackets are around a minimum, and not at an end of the angles; shape (b,)."""
         return np.asarray(self.angle[2] > self.angle[0])
 
     def parabola(self) -> tuple[FloatArray, FloatArray]:

@@ -125,7 +125,7 @@ def flutters(dataset: xr.Dataset) -> bool:
 
 
 def flutter_lines(dataset: xr.Dataset) -> tuple[str, ...]:
-    """That the linkage flutters, where, and how fast; nothing where it does not.
+    """Sentence on flutter, its place and growth; empty where the linkage does not flutter.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ def links_without_loss(mechanism: Mechanism) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class StrainEnergyDamping:
-    """What the modes of an engine's linear systems lose in a cycle.
+    """Loss in a cycle of the modes of an engine's linear systems.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a map of natural frequencies is asked to cover."""
+"""Request of a map of natural frequencies."""
 
 from __future__ import annotations
 

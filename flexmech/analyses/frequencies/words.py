@@ -1,4 +1,4 @@
-"""What a frequency map says: the table of extremes and the lines below it."""
+"""A frequency map in words: the table of extremes and the lines below it."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def shaft_lines(dataset: xr.Dataset) -> list[str]:
 
 
 def shaft_kind(dataset: xr.Dataset) -> xr.DataArray:
-    """What the shaft's mode does in each position.
+    """Behaviour of the shaft's mode in each position.
 
     Parameters
     ----------

@@ -242,7 +242,7 @@ class RecordPlan:
 
     @property
     def decay_rate(self) -> float:
-        """What the exponential window adds to every pole in 1/s."""
+        """Rate in 1/s that the exponential window adds to every pole."""
         return self.window.decay_rate if self.window else 0.0
 
     @property

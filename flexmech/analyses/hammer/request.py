@@ -1,4 +1,4 @@
-"""What a hammer test is asked for, at a locked crank or a running one."""
+"""Request of a hammer test, at a locked crank or a running one."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class HammerRequest(HammerOptions):
 
 
 class RunningHammerRequest(RunningHammerOptions):
-    """What a force on the linkage at a constant crank speed is asked to answer, checked.
+    """Checked request of the response to a force on the linkage at constant crank speed.
 
     Parameters as for :class:`flexmech.analyses.options.RunningHammerOptions`.
 

@@ -63,23 +63,23 @@ _OF_MODES = ("frequency", "damping_ratio")
 
 def _answer(dataset: xr.Dataset) -> tuple[str, ...]:
     """Identified frequencies and damping ratios of the first modes, over all crank angles."""
-    found = dataset.isel(mode=slice(None, _FIRST_MODES))
+    first_modes = dataset.isel(mode=slice(None, _FIRST_MODES))
     scatters = dataset.sizes["crank_angle"] == 1 and bool(dataset.attrs["noise"])
     identified = []
-    for number, mode in enumerate(found["mode"].values):
-        own = found.isel(mode=number)
-        frequency = own["identified_frequency"].values
-        ratio = own["identified_damping_ratio"].values
+    for number, mode in enumerate(first_modes["mode"].values):
+        of_mode = first_modes.isel(mode=number)
+        frequency = of_mode["identified_frequency"].values
+        ratio = of_mode["identified_damping_ratio"].values
         known = np.isfinite(frequency)
         if not known.any():
             continue
-        errors = np.abs(frequency - own["eigen_frequency"].values)[known]
-        away = np.abs(ratio - own["eigen_damping_ratio"].values)[known]
+        errors = np.abs(frequency - of_mode["eigen_frequency"].values)[known]
+        away = np.abs(ratio - of_mode["eigen_damping_ratio"].values)[known]
         hertz = _span(frequency[known], float(errors.max()))
         percents = _span(100 * ratio[known], 100 * float(away.max()))
         if scatters:
-            hertz = with_error(float(frequency[0]), _error(own, "frequency"))
-            percents = with_error(100 * float(ratio[0]), 100 * _error(own, "damping_ratio"))
+            hertz = with_error(float(frequency[0]), _error(of_mode, "frequency"))
+            percents = with_error(100 * float(ratio[0]), 100 * _error(of_mode, "damping_ratio"))
         identified.append(f"mode {int(mode)} at {hertz} Hz with {percents} % damping")
     angles = DEGREES * dataset["crank_angle"].values
     one = f"at crank angle {angles[0]:.6g} deg"
@@ -101,34 +101,34 @@ def _span(values: FloatArray, error: float) -> str:
 
 
 def _numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
-    """What was identified at the first crank angle; its error is the way to the eigen model.
+    """Identified modes at the first crank angle; errors are distances to the eigen model.
 
     Where there is noise, standard errors by it follow.
     """
-    own = dataset.isel(crank_angle=0)
-    found, scatter = [], []
+    first_angle = dataset.isel(crank_angle=0)
+    quantities, scatter = [], []
     for what, unit, factor in (("frequency", "Hz", 1.0), ("damping_ratio", "%", 100.0)):
-        for number, mode in enumerate(own["mode"].values):
+        for number, mode in enumerate(first_angle["mode"].values):
             value, eigen, error = (
-                factor * float(own[name][number])
+                factor * float(first_angle[name][number])
                 for name in (f"identified_{what}", f"eigen_{what}", f"identified_{what}_error")
             )
             if np.isfinite(value):
                 name, of = f"identified_{what}", f"mode {int(mode)}"
-                found.append(Quantity(name, value, unit, abs(value - eigen), of))
+                quantities.append(Quantity(name, value, unit, abs(value - eigen), of))
                 scatter.append(Quantity(f"{name}_error", error, unit, of=of))
-    return (*found, *(scatter if dataset.attrs["noise"] else ()))
+    return (*quantities, *(scatter if dataset.attrs["noise"] else ()))
 
 
 def _mode_table(dataset: xr.Dataset) -> Table:
     """Measured beside computed frequencies and damping ratios, as papers print them."""
     groups = []
     for number, angle in enumerate(dataset["crank_angle"].values):
-        own = dataset.isel(crank_angle=number)
+        of_angle = dataset.isel(crank_angle=number)
         rows = [
-            _row(DEGREES * float(angle), own.isel(mode=mode))
-            for mode in range(own.sizes["mode"])
-            if np.isfinite(own["eigen_frequency"][mode])
+            _row(DEGREES * float(angle), of_angle.isel(mode=mode))
+            for mode in range(of_angle.sizes["mode"])
+            if np.isfinite(of_angle["eigen_frequency"][mode])
         ]
         groups.append(tuple(rows))
     title = (
@@ -173,7 +173,7 @@ def _record_quantities(dataset: xr.Dataset) -> Iterator[Quantity]:
 
 
 def _notes(dataset: xr.Dataset) -> Iterator[str]:
-    """What the records leave out, and what is taken off them."""
+    """Effects that the records leave out, and corrections of them."""
     notes, of = notes_of(__package__), dataset.attrs
     yield notes["linear"]
     yield notes["simulated" if of["simulates"] else "exact"]
@@ -202,28 +202,31 @@ def _unfound_warnings(dataset: xr.Dataset) -> list[str]:
 
 def _verdict(dataset: xr.Dataset) -> str:
     """How near the first modes identified are to the eigen model."""
-    found = dataset.isel(mode=slice(None, _FIRST_MODES))
+    first_modes = dataset.isel(mode=slice(None, _FIRST_MODES))
     apart = {
-        "frequencies": _difference(found, "frequency"),
-        "damping ratios": _difference(found, "damping_ratio"),
+        "frequencies": _difference(first_modes, "frequency"),
+        "damping ratios": _difference(first_modes, "damping_ratio"),
     }
-    if not any(np.isfinite(each).any() for each in apart.values()):
+    if not any(np.isfinite(differences).any() for differences in apart.values()):
         return "the test identifies none of the first modes; try other points"
     said = ", ".join(
-        f"{name} {100 * np.nanmax(np.abs(each)):.2g} %" for name, each in apart.items()
+        f"{name} {100 * np.nanmax(np.abs(differences)):.2g} %"
+        for name, differences in apart.items()
     )
-    return f"identified against eigen model, first {found.sizes['mode']} modes: {said} at most"
+    return (
+        f"identified against eigen model, first {first_modes.sizes['mode']} modes: {said} at most"
+    )
 
 
 def _row(degrees: float, mode: xr.Dataset) -> tuple[str, ...]:
-    eigen, found = float(mode["eigen_frequency"]), float(mode["identified_frequency"])
+    eigen, identified = float(mode["eigen_frequency"]), float(mode["identified_frequency"])
     damped, ratio = float(mode["eigen_damping_ratio"]), float(mode["identified_damping_ratio"])
     return (
         f"{degrees:.6g}",
         str(int(mode["mode"])),
         f"{eigen:.6g}",
-        _number(found, "{:.6g}"),
-        _number(100 * (found / eigen - 1), "{:+.3f}"),
+        _number(identified, "{:.6g}"),
+        _number(100 * (identified / eigen - 1), "{:+.3f}"),
         f"{100 * damped:.4g}",
         _number(100 * ratio, "{:.4g}"),
         _number(100 * (ratio / damped - 1), "{:+.2f}"),

@@ -170,7 +170,7 @@ def _forces(
 def _over_steps(
     mechanism: Mechanism, at: Forces, request: KinematicsRequest, speed: float
 ) -> Values:
-    """What sizes motor and bearings, and over whole turns harmonics of the shaking force.
+    """Sizes of motor and bearings, and over whole turns harmonics of the shaking force.
 
     Over one turn, or from the first crank angle to the last; nothing where they are no states of
     one run.

@@ -1,4 +1,4 @@
-"""What kinematics is asked for."""
+"""Request of kinematics."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MOST_LUMPS = 1000
 
 
 class KinematicsRequest(KinematicsOptions):
-    """What kinematics is asked for, checked.
+    """Checked request of kinematics.
 
     Parameters as for :class:`flexmech.analyses.options.KinematicsOptions`.
 

@@ -96,19 +96,19 @@ class Kinematics(Result):
     def summary(self) -> Summary:
         """Strokes, greatest forces and torque; what each place does and carries; all extremes."""
         data = self.dataset
-        found, warning = _found(data), str(data.attrs.get("warning", ""))
-        extremes = (_extremes_table(data, found),)
+        extremes, warning = _found(data), str(data.attrs.get("warning", ""))
+        table = (_extremes_table(data, extremes),)
         rigid = Aspect(
-            _answer(data, found), extremes, (warning,) if warning else (), _numbers(data, found)
+            _answer(data, extremes), table, (warning,) if warning else (), _numbers(data, extremes)
         )
         others = (
             motor_choice_aspect(data),
-            _notes(data, found),
+            _notes(data, extremes),
             sizing_aspect(data),
             law_aspect(data),
             motor_aspect(data),
         )
-        return Summary.of((rigid, *others), _table(data, found), _trust(data), most=_SENTENCES)
+        return Summary.of((rigid, *others), _table(data, extremes), _trust(data), most=_SENTENCES)
 
 
 @dataclass(frozen=True)
@@ -152,10 +152,10 @@ class _Extreme:
         return rounded(factor * value, factor * self.error, most)
 
 
-_Found = dict[tuple[str, str], _Extreme]
+_Extremes = dict[tuple[str, str], _Extreme]
 
 
-def _found(data: xr.Dataset) -> _Found:
+def _found(data: xr.Dataset) -> _Extremes:
     """Extremes by quantity and what it is of; what rounding leaves of others is in the error."""
     units, sizes = data["extreme_unit"].values.astype(str), dict[str, float]()
     peaks = np.maximum(abs(data["least"].values), abs(data["greatest"].values))
@@ -181,18 +181,18 @@ def _found(data: xr.Dataset) -> _Found:
     }
 
 
-def _answer(data: xr.Dataset, found: _Found) -> tuple[str, ...]:
+def _answer(data: xr.Dataset, extremes: _Extremes) -> tuple[str, ...]:
     """Strokes, or the swing; the transmission angle; forces, torque and power."""
-    said = [_stroke_text(slider, found) for slider in _sliders(data)]
-    angle = found.get(("transmission_angle", ""))
+    said = [_stroke_text(slider, extremes) for slider in _sliders(data)]
+    angle = extremes.get(("transmission_angle", ""))
     if angle is not None:
         low, high = angle.texts(_PER_RADIAN)
         text = f"the transmission angle is {low} to {high} deg"
         if "rocker_swing" in data:
             text = f"the rocker swings through {_swing(data).value:.4g} deg; {text}"
         said.append(f"{text[0].upper()}{text[1:]}.")
-    joint = _most_loaded(data, found)
-    force, torque = found["joint_force", joint], found["driving_torque", ""]
+    joint = _most_loaded(data, extremes)
+    force, torque = extremes["joint_force", joint], extremes["driving_torque", ""]
     low, high = torque.texts()
     if force.size <= force.error:
         said.append("Nothing acts on the links: no joint carries a force.")
@@ -202,18 +202,18 @@ def _answer(data: xr.Dataset, found: _Found) -> tuple[str, ...]:
             f"The greatest joint force is {force.peak[0]} N, at {joint}; the driving torque "
             f"{driven} N m."
         )
-    power = found["driving_power", ""]
+    power = extremes["driving_power", ""]
     if "time" in data.dims and power.span > power.error:
         low, high = power.texts()
         said.append(f"The shaft gives {low} to {high} W.")
-    if _mean_text(data, found) not in ("", "0"):
-        said.append(f"The shaft gives {_mean_text(data, found)} W on average.")
+    if _mean_text(data, extremes) not in ("", "0"):
+        said.append(f"The shaft gives {_mean_text(data, extremes)} W on average.")
     return tuple(said)
 
 
-def _stroke_text(slider: str, found: _Found) -> str:
+def _stroke_text(slider: str, extremes: _Extremes) -> str:
     place, speed, acceleration = (
-        found[f"slider_{name}", slider] for name in ("position", "velocity", "acceleration")
+        extremes[f"slider_{name}", slider] for name in ("position", "velocity", "acceleration")
     )
     low, high = place.texts(_MM)
     if place.span <= place.error:
@@ -228,19 +228,19 @@ def _stroke_text(slider: str, found: _Found) -> str:
     )
 
 
-def _table(data: xr.Dataset, found: _Found) -> Table:
+def _table(data: xr.Dataset, extremes: _Extremes) -> Table:
     """A row for each joint and each other point: how it moves, and which force it carries."""
     kinds = dict(zip(_names(data, "joint"), data["joint_kind"].values.tolist(), strict=True))
     places = dict.fromkeys([*kinds, *_names(data, "point")])
     rows, slides = [], bool(_sliders(data))
     for name in places:
-        stroke = found.get(("slider_position", name))
+        stroke = extremes.get(("slider_position", name))
         length = "" if stroke is None else rounded(_MM * stroke.span, _MM * stroke.error)
-        moves = [found.get((what, name)) for what in ("velocity", "acceleration", "joint_force")]
+        moves = [extremes.get((what, name)) for what in ("velocity", "acceleration", "joint_force")]
         cells = (text for each in moves for text in (each.peak if each else ("", "")))
         rows.append((name, str(kinds.get(name, "point")), *[length] * slides, *cells))
-    if ("shaking_force", "") in found:
-        shaking = found["shaking_force", ""].peak
+    if ("shaking_force", "") in extremes:
+        shaking = extremes["shaking_force", ""].peak
         rows.append(("frame", "shaking", *[""] * slides, "", "", "", "", *shaking))
     return Table(
         f"greatest values {_range_text(data)}, {data.attrs['mechanism']} "
@@ -260,10 +260,10 @@ def _range_text(data: xr.Dataset) -> str:
     return f"at crank angle {first} deg" if first == last else f"from {first} to {last} deg"
 
 
-def _extremes_table(data: xr.Dataset, found: _Found) -> Table:
+def _extremes_table(data: xr.Dataset, extremes: _Extremes) -> Table:
     """Least and greatest value of every quantity, and where; to the digits that are known."""
     rows = []
-    for ((name, of), one), unit in zip(found.items(), data["extreme_unit"].values, strict=True):
+    for ((name, of), one), unit in zip(extremes.items(), data["extreme_unit"].values, strict=True):
         factor, shown = _SHOWN.get(str(unit), (1.0, str(unit)))
         pairs = zip(one.texts(factor, _DETAILED), one.at, strict=True)
         cells = (text for pair in pairs for text in pair)
@@ -273,14 +273,14 @@ def _extremes_table(data: xr.Dataset, found: _Found) -> Table:
     return Table(title, headings, (tuple(rows),), text_columns=2)
 
 
-def _notes(data: xr.Dataset, found: _Found) -> Aspect:
-    """What the table of extremes does not say: about which point, mean power, lumped masses."""
+def _notes(data: xr.Dataset, extremes: _Extremes) -> Aspect:
+    """Remarks beside the table of extremes: moment point, mean power, lumped masses."""
     lines = []
     if "lump" in data.dims:
         lines.append(f"lumped: by {data.sizes['lump']} masses")
     if shaft := float(data.attrs.get("shaft_inertia_torque", 0.0)):
         lines.append(f"driving torque: the shaft's own inertia takes {shaft:.5g} N m besides")
-    if mean := _mean_text(data, found):
+    if mean := _mean_text(data, extremes):
         lines.append(f"mean driving power over the turn: {mean} W")
     lines.append(f"shaking moment: about {point_text(data)}")
     if "order" in data:
@@ -302,33 +302,33 @@ def _trust(data: xr.Dataset) -> str:
     return f"numbers are known to {percent(known)}; links are rigid here"
 
 
-def _numbers(data: xr.Dataset, found: _Found) -> tuple[Quantity, ...]:
+def _numbers(data: xr.Dataset, extremes: _Extremes) -> tuple[Quantity, ...]:
     """The numbers of the answer."""
     numbers = []
     for slider in _sliders(data):
-        place = found["slider_position", slider]
+        place = extremes["slider_position", slider]
         numbers.append(Quantity("stroke", _MM * place.span, "mm", _MM * place.error, slider))
         for name, unit in (("velocity", "m/s"), ("acceleration", "m/s^2")):
-            along = found[f"slider_{name}", slider]
+            along = extremes[f"slider_{name}", slider]
             numbers.append(Quantity(f"peak_{name}", along.size, unit, along.error, slider))
-    joint = _most_loaded(data, found)
-    force, torque = found["joint_force", joint], found["driving_torque", ""]
+    joint = _most_loaded(data, extremes)
+    force, torque = extremes["joint_force", joint], extremes["driving_torque", ""]
     numbers.append(Quantity("peak_joint_force", force.greatest, "N", force.error, joint))
     numbers.append(Quantity("peak_driving_torque", torque.size, "N m", torque.error))
     if "time" in data.dims:
-        power = found["driving_power", ""]
+        power = extremes["driving_power", ""]
         numbers.append(Quantity("peak_driving_power", power.size, "W", power.error))
     for name, unit in (("shaking_force", "N"), ("shaking_moment", "N m")):
-        if (shaking := found.get((name, ""))) is not None:
+        if (shaking := extremes.get((name, ""))) is not None:
             numbers.append(Quantity(f"peak_{name}", shaking.size, unit, shaking.error, "frame"))
-    if (angle := found.get(("transmission_angle", ""))) is not None:
+    if (angle := extremes.get(("transmission_angle", ""))) is not None:
         error = _PER_RADIAN * angle.error
         for name in ("least", "greatest"):
             value = _PER_RADIAN * getattr(angle, name)
             numbers.append(Quantity(f"{name}_transmission_angle", value, "deg", error))
     if "rocker_swing" in data:
         numbers.append(_swing(data))
-    if (mean := _mean(data, found)) is not None:
+    if (mean := _mean(data, extremes)) is not None:
         numbers.append(mean)
     return tuple(numbers)
 
@@ -338,22 +338,24 @@ def _swing(data: xr.Dataset) -> Quantity:
     return Quantity("rocker_swing", value, "deg", ROUND_OFF * value, "rocker")
 
 
-def _most_loaded(data: xr.Dataset, found: _Found) -> str:
-    return max(_names(data, "joint"), key=lambda joint: found["joint_force", joint].greatest)
+def _most_loaded(data: xr.Dataset, extremes: _Extremes) -> str:
+    return max(_names(data, "joint"), key=lambda joint: extremes["joint_force", joint].greatest)
 
 
-def _mean(data: xr.Dataset, found: _Found) -> Quantity | None:
+def _mean(data: xr.Dataset, extremes: _Extremes) -> Quantity | None:
     """Mean power over whole turns."""
     if "mean_driving_power" not in data:
         return None
     mean, error = (data[f"mean_driving_power{end}"].item() for end in ("", "_error"))
     # Round-off of power that is zero at all angles is that of forces and speeds.
-    return Quantity("mean_driving_power", mean, "W", max(error, found["driving_power", ""].error))
+    return Quantity(
+        "mean_driving_power", mean, "W", max(error, extremes["driving_power", ""].error)
+    )
 
 
-def _mean_text(data: xr.Dataset, found: _Found) -> str:
+def _mean_text(data: xr.Dataset, extremes: _Extremes) -> str:
     """Mean power in W, 0 where its error is larger; empty where the angles are no whole turns."""
-    mean = _mean(data, found)
+    mean = _mean(data, extremes)
     if mean is None:
         return ""
     return "0" if abs(mean.value) <= mean.error else rounded(mean.value, mean.error)

@@ -147,9 +147,9 @@ def _water(end: xr.Dataset, link: str, name: str) -> tuple[float, float]:
     link : str
     name : {"moisture", "water", "uptake"}
     """
-    own = end.sel(link=link)
-    value = 100 * float(own[name])
-    return value, value * float(own["uptake_error"] / own["uptake"])
+    of_link = end.sel(link=link)
+    value = 100 * float(of_link[name])
+    return value, value * float(of_link["uptake_error"] / of_link["uptake"])
 
 
 def _share(end: xr.Dataset, link: str) -> str:
@@ -158,14 +158,14 @@ def _share(end: xr.Dataset, link: str) -> str:
 
 def _final_share(end: xr.Dataset, link: str) -> str:
     """Water of a saturated link over its dry mass: of links and air alone, without an error."""
-    own = end.sel(link=link)
-    return f"{plain(100 * _SATURATED * float(own['water'] / own['uptake']))} %"
+    of_link = end.sel(link=link)
+    return f"{plain(100 * _SATURATED * float(of_link['water'] / of_link['uptake']))} %"
 
 
 def _time_to(data: xr.Dataset, link: str, share: float) -> str:
-    own = data.sel(link=link, share=share)
-    time = float(own["time_to_share"])
-    relative = float(own["time_to_share_error"]) / time
+    of_link = data.sel(link=link, share=share)
+    time = float(of_link["time_to_share"])
+    relative = float(of_link["time_to_share_error"]) / time
     return _in_days(time, lambda value: rounded(value, relative * value))
 
 
@@ -176,9 +176,10 @@ def _numbers(data: xr.Dataset) -> Iterator[Quantity]:
         for name in ("moisture", "water", "uptake"):
             value, error = _water(end, link, name)
             yield Quantity(name, value, "%", error, str(link))
-        own = data.sel(link=link, share=_SATURATED)
+        of_link = data.sel(link=link, share=_SATURATED)
         days = (
-            from_si(float(own[name]), "day") for name in ("time_to_share", "time_to_share_error")
+            from_si(float(of_link[name]), "day")
+            for name in ("time_to_share", "time_to_share_error")
         )
         time, error = days
         yield Quantity("time_to_saturation", time, "day", error, str(link))
@@ -332,10 +333,10 @@ def _slab(diffusion: LinkDiffusion, kelvin: float) -> tuple[float, float] | None
     Layers that hold more water than others are no slab either, though water moves as fast.
     """
     layers = diffusion.layers
-    found = {(float(one.diffusivity.at(kelvin)), one.capacity) for one in layers}
-    if len(found) > 1 or diffusion.width is not None:
+    laws = {(float(one.diffusivity.at(kelvin)), one.capacity) for one in layers}
+    if len(laws) > 1 or diffusion.width is not None:
         return None
-    return sum(one.thickness for one in layers), found.pop()[0]
+    return sum(one.thickness for one in layers), laws.pop()[0]
 
 
 def _laws(diffusion: LinkDiffusion, kelvin: float, times: FloatArray) -> FloatArray:
@@ -362,8 +363,8 @@ def _times_to_shares(
     if slab is not None:
         exact = [time_to_saturation(share, *slab, faces=diffusion.faces) for share in _SHARES]
         return np.array(exact), ROUND_OFF * np.array(exact)
-    found, finer = (_shares_by_volumes(diffusion, humidity, kelvin, n) for n in (1, _FINER))
-    return found, np.abs(found - finer) / share_of_error(1, _FINER)
+    shares, finer = (_shares_by_volumes(diffusion, humidity, kelvin, n) for n in (1, _FINER))
+    return shares, np.abs(shares - finer) / share_of_error(1, _FINER)
 
 
 def _shares_by_volumes(

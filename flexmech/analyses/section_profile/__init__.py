@@ -1,1 +1,1 @@
-"""What links are made of: properties of sections, strain and stress through their thickness."""
+"""Sections of links: properties, strain and stress through their thickness."""

@@ -396,7 +396,7 @@ def expansion_table(profile: xr.Dataset) -> list[Table]:
 
 EXACT = "numbers are exact within the theory of laminated beams; nothing is meshed"
 STATED = "stiffness and mass are those that the model file states"
-"""What there is to say of errors: sections are integrated over their layers in closed form."""
+"""Sentence on errors: sections are integrated over their layers in closed form."""
 
 _SPECIFIC = "specific_damping_bending"
 # Columns of the table: variable, heading, and factor from the SI unit.
@@ -438,11 +438,13 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
     tuple of str
         Sentences.
     """
-    own = data.sel(coupling="with")
-    links = [str(name) for name in own["link"].values]
+    with_coupling = data.sel(coupling="with")
+    links = [str(name) for name in with_coupling["link"].values]
     who = f"The {links[0]} is" if len(links) == 1 else "The links are"
-    moduli = [_range(own[name], 1e-9) for name in ("membrane_modulus", "flexural_modulus")]
-    mass = _range(own["mass_per_length"])
+    moduli = [
+        _range(with_coupling[name], 1e-9) for name in ("membrane_modulus", "flexural_modulus")
+    ]
+    mass = _range(with_coupling["mass_per_length"])
     if all(moduli):
         bar = "a solid bar" if len(links) == 1 else "solid bars"
         tension, bending = moduli
@@ -451,7 +453,10 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
             stiff = f"of {tension} GPa in tension and bending"
         first = f"{who} as stiff as {bar} {stiff}; {_have(links)} {mass} kg/m."
     else:
-        tension, bending = _range(own["axial_stiffness"], 1e-6), _range(own["bending_stiffness"])
+        tension, bending = (
+            _range(with_coupling["axial_stiffness"], 1e-6),
+            _range(with_coupling["bending_stiffness"]),
+        )
         first = f"EA is {tension} MN, EI {bending} N m², the mass {mass} kg/m."
     return (first, *_on_coupling(data, links))
 
@@ -461,13 +466,13 @@ def _have(links: Sequence[str]) -> str:
 
 
 def _on_coupling(data: xr.Dataset, links: Sequence[str]) -> Iterator[str]:
-    """That an unsymmetric stack bends under tension, and what it costs."""
+    """Sentence on an unsymmetric stack that bends under tension, and its cost."""
     coupled = [link for link in links if float(data["neutral_axis"].sel(link=link)[0])]
     for link in coupled if len(coupled) <= _MOST_NAMED else ():
-        own = data.sel(link=link)
-        away = 1e3 * abs(float(own["neutral_axis"].sel(coupling="with")))
+        of_link = data.sel(link=link)
+        away = 1e3 * abs(float(of_link["neutral_axis"].sel(coupling="with")))
         with_it, without = (
-            float(own["bending_stiffness"].sel(coupling=c)) for c in ("with", "without")
+            float(of_link["bending_stiffness"].sel(coupling=c)) for c in ("with", "without")
         )
         yield (
             f"Tension bends the {link}: its neutral axis is {away:.4g} mm off the pins' axis, and "
@@ -499,12 +504,12 @@ def _links_table(data: xr.Dataset, made_of: Sequence[str]) -> Table:
     -------
     Table
     """
-    own, rows = data.sel(coupling="with"), []
-    shown = [column for column in _COLUMNS if _says(own, column[0])]
-    if not _says(own, _SPECIFIC) and _says(own, _TIME[0]):
+    with_coupling, rows = data.sel(coupling="with"), []
+    shown = [column for column in _COLUMNS if _says(with_coupling, column[0])]
+    if not _says(with_coupling, _SPECIFIC) and _says(with_coupling, _TIME[0]):
         shown.append(_TIME)
-    for number, link in enumerate(own["link"].values.tolist()):
-        cells = (_cell(factor * own[name].values[number]) for name, _, factor in shown)
+    for number, link in enumerate(with_coupling["link"].values.tolist()):
+        cells = (_cell(factor * with_coupling[name].values[number]) for name, _, factor in shown)
         text = made_of[number]
         cut = text if len(text) <= _LONGEST_STACK else f"{text[: _LONGEST_STACK - 1]}…"
         rows.append((str(link), cut, *cells))
@@ -533,10 +538,10 @@ def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     -------
     tuple of Quantity
     """
-    own = data.sel(coupling="with")
-    found = (
-        Quantity(name, factor * float(own[name].sel(link=link)), unit, 0.0, str(link))
-        for link in own["link"].values
+    with_coupling = data.sel(coupling="with")
+    quantities = (
+        Quantity(name, factor * float(with_coupling[name].sel(link=link)), unit, 0.0, str(link))
+        for link in with_coupling["link"].values
         for name, unit, factor in _NUMBERS
     )
-    return tuple(number for number in found if np.isfinite(number.value))
+    return tuple(number for number in quantities if np.isfinite(number.value))

@@ -356,7 +356,7 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
 
 
 def state_of(speed: TrackedSpeed | NoEquilibrium) -> str:
-    """What column ``unstable`` says of a speed."""
+    """Word of column ``unstable`` for a speed."""
     if isinstance(speed, NoEquilibrium) or speed.buckled_angle is not None:
         return NO_EQUILIBRIUM
     return YES if speed.is_unstable else NO

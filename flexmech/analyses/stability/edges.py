@@ -53,7 +53,7 @@ LEAST_SIGNATURE = 0.01
 
 @dataclass(frozen=True)
 class BandName:
-    """What meets in a band.
+    """Name of a band by the modes that meet in it.
 
     Parameters
     ----------

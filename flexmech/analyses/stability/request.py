@@ -1,4 +1,4 @@
-"""What a stability map is asked to cover."""
+"""Request of a stability map."""
 
 from __future__ import annotations
 

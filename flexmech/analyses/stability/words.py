@@ -131,7 +131,7 @@ def _at_operating_speed(
 
 
 def _missed(data: xr.Dataset, engine: str) -> Iterator[str]:
-    """What the steps in speed may not see."""
+    """Bands that the steps in speed may miss."""
     for step in _greatest_step(data, engine):
         unit = speed_unit(data)
         yield (
@@ -142,7 +142,7 @@ def _missed(data: xr.Dataset, engine: str) -> Iterator[str]:
 
 
 def _about(data: xr.Dataset) -> Iterator[str]:
-    """Which motion vibrations are about, where it is not the one that runs."""
+    """Motion that vibrations are about, where it is not the one that runs."""
     level, distance = data.attrs["prestress"], float(data.attrs["motion_distance"])
     if level == "equilibrium":
         speed = speed_name(data, data["crank_speed"][-1])
@@ -322,7 +322,7 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
     """Errors by their causes, Krein signatures, periodic motion and shaft, of each engine."""
     unit = speed_unit(data)
     for engine in _engines(data):
-        own, bands = data.sel(engine=engine), _bands(data, engine)
+        of_engine, bands = data.sel(engine=engine), _bands(data, engine)
         for part, words in zip(PARTS, ("steps", "moving modes", "mesh"), strict=True):
             errors = [float(band[f"band_{e}_{part}_error"]) for band in bands for e in EDGES]
             worst = abs(from_si(float(np.max(np.nan_to_num(errors), initial=0.0)), unit))
@@ -337,7 +337,7 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
             ("liouville_defect", "gap of Liouville's integral of the trace"),
             ("orbit_residual", "residual of the periodic motion"),
         ):
-            yield Quantity(words, float(own[name].max()), "", of=engine)
+            yield Quantity(words, float(of_engine[name].max()), "", of=engine)
         for n in np.flatnonzero(data["check_engine"].values == engine):
             at = f"{speed_name(data, data['check_speed'][n])}, {engine}"
             for part, words in _CHECKS.items():
@@ -349,19 +349,21 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
             ("orbit_distance", "periodic motion from the equilibrium over displacement", 100, "%"),
             ("shaft_growth_rate", "growth rate of the free shaft's own motion", 1, "1/s"),
         ):
-            if name in own and np.isfinite(own[name]).any():
-                greatest = own[name].isel(crank_speed=int(np.nanargmax(own[name].values)))
+            if name in of_engine and np.isfinite(of_engine[name]).any():
+                greatest = of_engine[name].isel(
+                    crank_speed=int(np.nanargmax(of_engine[name].values))
+                )
                 at = f"{speed_name(data, greatest['crank_speed'])}, {engine}"
                 yield Quantity(words, factor * float(greatest), shown, of=at)
         for step in _greatest_step(data, engine):
             yield Quantity("greatest distance of speeds solved for", step, unit, of=engine)
-        if count := int(own["closed_early"]):
+        if count := int(of_engine["closed_early"]):
             closed = f"closed by {100 * float(data.attrs['least_closing_ratio']):.3g} %, {engine}"
             yield Quantity("narrow bands left out", float(count), "", of=closed)
 
 
 def _difference(data: xr.Dataset) -> EngineDifference | None:
-    """That of two engines' edges of bands which their errors explain least.
+    """The edge of two engines' bands that their errors explain least.
 
     Not a number where one engine has a band that the other has not; None where there is nothing to
     compare.
@@ -413,9 +415,9 @@ def _verdict(data: xr.Dataset) -> str:
 
 
 def _disagreement(data: xr.Dataset) -> list[str]:
-    """What two engines do not agree on, beyond their errors, where no beam theory says why."""
-    found = _difference(data)
-    explained = theory_reason(data.attrs) or found is None or not found.worth_a_warning
+    """Difference of two engines beyond their errors, where no beam theory explains it."""
+    difference = _difference(data)
+    explained = theory_reason(data.attrs) or difference is None or not difference.worth_a_warning
     return [] if explained else [_verdict(data)]
 
 
@@ -434,12 +436,12 @@ def _interrupted(data: xr.Dataset) -> list[str]:
 def _gaps(data: xr.Dataset) -> Iterator[str]:
     """Crank speeds without equilibrium, and why."""
     for name in _engines(data):
-        own = data.sel(engine=name)
-        states = own["unstable"].values.tolist()
-        buckled = np.isfinite(own["growth_rate"].values).tolist()
+        of_engine = data.sel(engine=name)
+        states = of_engine["unstable"].values.tolist()
+        buckled = np.isfinite(of_engine["growth_rate"].values).tolist()
         kinds = zip(states, buckled, strict=True)
         for (state, linear), group in groupby(enumerate(kinds), key=lambda one: one[1]):
-            run = own.isel(crank_speed=[place for place, _ in group])
+            run = of_engine.isel(crank_speed=[place for place, _ in group])
             count, speeds = run.sizes["crank_speed"], run["crank_speed"].values[[0, -1]].tolist()
             if state == NO_EQUILIBRIUM:
                 where = ranges_text([(speeds[0], speeds[1])], speed_unit(data))

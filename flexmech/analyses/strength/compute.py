@@ -86,7 +86,7 @@ class Strength(Result):
         return plots.plot_strength(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
-        """Which part fails first, how, and by what factors loads and speed may rise."""
+        """The part that fails first, how, and the factors by which loads and speed may rise."""
         return summary_of(self.dataset)
 
 
@@ -101,7 +101,7 @@ def strength_dataset(
     judged: Mapping[str, JudgedLink],
     judged_at: FloatArray,
 ) -> xr.Dataset:
-    """What one engine's forces make of the links.
+    """Stresses of the links under one engine's forces.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def strength(mechanism: Engines, request: StrengthRequest) -> Strength:
 def _of_rigid_links(
     judged: JudgedMechanism, angles: FloatArray, speed: float
 ) -> tuple[xr.Dataset, dict[str, str]]:
-    """What the loads of rigid links make of links and pins, and what is to be said of them."""
+    """Stresses of links and pins under the loads of rigid links, and the remarks on them."""
     mechanism = judged.mechanism
     every, between = angles_between(mechanism, angles)
     moving = LoadsAtAngles.of_rigid_links(mechanism, speed)
@@ -306,7 +306,7 @@ def _by_engines(
     speed: float,
     report: LabelledProgress,
 ) -> tuple[xr.Dataset, dict[str, str]]:
-    """What engines' equilibria or runs make of the links, and what is to be said of them."""
+    """Stresses of links by engines' equilibria or runs, and the remarks on them."""
     at_rest = request.source == "quasi-static"
     source: type[LoadsOfEngines] = Equilibria if at_rest else Runs
     asked = source.of(engines, request, speed)

@@ -32,7 +32,7 @@ _MOST_STEPS = 100
 
 @dataclass(frozen=True)
 class Endurance:
-    """What the stress over a turn does at each place of a link.
+    """Fatigue by the stress over a turn at each place of a link.
 
     Parameters
     ----------

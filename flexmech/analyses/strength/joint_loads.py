@@ -263,7 +263,7 @@ class LoadsOfTurn:
         return LoadsOfTurn(links, self.joints.mapped(change), self.moment_gap)
 
     def at(self, some: IntArray) -> LoadsOfTurn:
-        """Those at some of the crank angles."""
+        """Loads at some of the crank angles."""
         return self.mapped(lambda history: history[some])
 
     @classmethod
@@ -302,7 +302,7 @@ class LoadsOfTurn:
 
 
 Found = DisplacedLinks | InverseDynamics
-"""What internal and joint forces follow from, at a batch of crank angles."""
+"""Source of internal and joint forces, at a batch of crank angles."""
 
 
 class SampledLoads(Protocol):

@@ -30,7 +30,7 @@ _IN_PLANE = 3
 
 @dataclass(frozen=True)
 class JudgedLink:
-    """What is found at each place of a link, at its worst crank angle.
+    """Load factors at each place of a link, at its worst crank angle.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ class Margin:
 
     @property
     def name(self) -> str:
-        """What messages call the part, such as ``"pin A"``: no two of a mechanism are alike."""
+        """Name of the part in messages, such as ``"pin A"``: no two of a mechanism are alike."""
         return KINDS[self.kind].format(self.part)
 
 
@@ -147,7 +147,7 @@ def link_margins(dataset: xr.Dataset, kind: str = "link") -> list[Margin]:
 
 @dataclass(frozen=True)
 class PinFailure:
-    """Which check of a pin fails first as the crank speed rises, and at which speed.
+    """The check of a pin that fails first as the crank speed rises, and its speed.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def weakest_checks(dataset: xr.Dataset) -> dict[str, int]:
 def failures_of(
     speed_factors: Mapping[str, float], weakest: Mapping[float, Mapping[str, int]]
 ) -> dict[str, PinFailure]:
-    """Which checks of pins fail at the speeds that were searched.
+    """Checks of pins that fail at the speeds that were searched.
 
     Parameters
     ----------

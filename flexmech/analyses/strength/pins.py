@@ -314,7 +314,7 @@ class PinChecks:
 
     @property
     def left_out_lines(self) -> list[str]:
-        """What is left out and why, in words, a line for each reason."""
+        """Checks that are left out and the reasons, a line for each reason."""
         places: dict[tuple[str, str], dict[str, list[str]]] = {}
         for one in self.left_out:
             of_reason = places.setdefault((", ".join(one.modes), one.why), {})
@@ -450,7 +450,7 @@ SpeedOf = Callable[[FloatArray, FloatArray], FloatArray]
 
 @dataclass(frozen=True)
 class JudgedPins:
-    """What each check gives at every crank angle.
+    """Stress and factors of each check, at every crank angle.
 
     Parameters
     ----------

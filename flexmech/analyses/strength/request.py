@@ -1,4 +1,4 @@
-"""What can be asked of strength: crank angles and speed, criterion, places, heat and moisture."""
+"""Request of strength: crank angles and speed, criterion, places, heat and moisture."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from flexmech.validation import (
 
 
 class StrengthRequest(StrengthOptions):
-    """What strength is asked for, checked.
+    """Checked request of strength.
 
     Parameters as for :class:`flexmech.analyses.options.StrengthOptions`.
 

@@ -29,7 +29,7 @@ MOST, SLOWEST, FASTEST, STRIDE, NEAR_END = 25, 1e-3, 64.0, 3.0, 0.05
 
 @dataclass(frozen=True)
 class SpeedSearch:
-    """What was found over the crank speed.
+    """Result of a search over the crank speed.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class SpeedSearch:
     def of(
         cls, weakest: Mapping[float, tuple[str, float]], found: Mapping[str, float], note: str
     ) -> SpeedSearch:
-        """What was found, with the weakest part and its load factor at each factor of the speed.
+        """Result with the weakest part and its load factor at each factor of the speed.
 
         Parameters
         ----------

@@ -265,7 +265,7 @@ Factor = tuple[Name, str]
 
 @dataclass(frozen=True)
 class Sought:
-    """What was found by seeking.
+    """Cuts, crank angles and loads that the search for the weakest places has reached.
 
     Parameters
     ----------

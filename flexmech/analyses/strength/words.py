@@ -62,7 +62,7 @@ def summary_of(data: xr.Dataset) -> Summary:
 
 
 def _answer(data: xr.Dataset, margins: list[Margin]) -> tuple[str, ...]:
-    """Which part fails first, how, where, and by what factors loads and speed may rise."""
+    """The part that fails first, how, where, and the factors by which loads and speed may rise."""
     first, names = margins[0], margin_names(data)
     load = first.load_factor
     if math.isinf(load):
@@ -95,9 +95,9 @@ def _layer(data: xr.Dataset, margin: Margin) -> str:
     """Layer of a margin with its ply and angle; nothing where it has none."""
     if margin.layer == NO_LAYER:
         return ""
-    own = data.sel(link=margin.part, layer=margin.layer)
-    ply = str(own["ply"].item())
-    angle = f"{from_si(float(own['angle']), 'deg'):.4g}"
+    of_layer = data.sel(link=margin.part, layer=margin.layer)
+    ply = str(of_layer["ply"].item())
+    angle = f"{from_si(float(of_layer['angle']), 'deg'):.4g}"
     return f"layer {margin.layer} ({ply}@{angle})" if ply else f"layer {margin.layer}"
 
 
@@ -128,11 +128,11 @@ def _quantities(data: xr.Dataset, margins: list[Margin]) -> Iterator[Quantity]:
     engines = data["engine"].values.astype(str).tolist()
     for one in margins if len(engines) > 1 else ():
         factors = data[_FACTORS[one.kind]]
-        own = factors.sel(link=one.part) if "link" in factors.dims else factors
+        of_part = factors.sel(link=one.part) if "link" in factors.dims else factors
         if one.kind == "pin":
-            own = factors.isel(pin_check=np.flatnonzero(data["pin_joint"].values == one.part))
+            of_part = factors.isel(pin_check=np.flatnonzero(data["pin_joint"].values == one.part))
         for engine in engines:
-            least = float(own.sel(engine=engine).min())
+            least = float(of_part.sel(engine=engine).min())
             yield Quantity("load factor", least, "", of=f"{one.name}, {engine}")
     for one in (margin for margin in margins if margin.kind == "fatigue"):
         link = data.sel(link=one.part)
@@ -244,9 +244,9 @@ def _turns(data: xr.Dataset, link: str) -> float:
 
     Infinite where it never fails; not a number where no S-N line tells of one of its places.
     """
-    own = data.sel(link=link)
-    judged = own["fatigue_load_factor"].notnull().values
-    return float(own["turns_to_failure"].values[judged].min())
+    of_link = data.sel(link=link)
+    judged = of_link["fatigue_load_factor"].notnull().values
+    return float(of_link["turns_to_failure"].values[judged].min())
 
 
 def _factor(value: float) -> str:

@@ -1,1 +1,1 @@
-"""Which crank-rocker has the transmission angle that is wanted."""
+"""Crank-rocker for a wanted transmission angle."""

@@ -300,7 +300,7 @@ class Drive(abc.ABC):
     @property
     @abc.abstractmethod
     def words(self) -> str:
-        """What the drive does, for titles."""
+        """Description of the drive, for titles."""
 
     @abc.abstractmethod
     def to_table(self) -> TomlTable:

@@ -404,7 +404,7 @@ class TableDrive(Drive):
 
     @property
     def spline_words(self) -> str:
-        """What the spline makes of the table: its second derivative, and how it leaves the rows."""
+        """The table as its spline has it: second derivative, and distance from the rows."""
         spline = (
             f"spline through the table: its second derivative is at most "
             f"{self.greatest_acceleration:.5g} rad/s², and it leaves the rows by at most "

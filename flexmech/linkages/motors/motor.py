@@ -100,7 +100,7 @@ class Motor(abc.ABC):
     @property
     @abc.abstractmethod
     def words(self) -> str:
-        """What it is, for titles."""
+        """Description of the motor, for titles."""
 
     @abc.abstractmethod
     def to_table(self) -> TomlTable:
@@ -479,7 +479,7 @@ _DIFFERENCE = 1e-6
 
 @dataclass(frozen=True)
 class MotorOutput:
-    """What a motor gives at some instants.
+    """Output of a motor at some instants.
 
     Parameters
     ----------
@@ -535,7 +535,7 @@ class DriveTrain:
 
     @property
     def angles(self) -> list[int]:
-        """Which values of a shaft are angles: the crank's, and that of a rotor on a coupling."""
+        """Values of a shaft that are angles: the crank's, and that of a rotor on a coupling."""
         return [0, 2] if self.is_coupled else [0]
 
     @property
@@ -588,7 +588,7 @@ class DriveTrain:
         return states[1] if self.is_coupled else speed
 
     def motor_output(self, speed: FloatArray, states: FloatArray) -> MotorOutput:
-        """What the motor gives at crank speeds (...) in rad/s and states (state_count, ...)."""
+        """Output of the motor at crank speeds (...) in rad/s and states (state_count, ...)."""
         turning = np.asarray(self.rotor_speed(speed, states), dtype=float)
         rotor = self.motor.gear_ratio * turning
         command, following = self._command(turning, states)

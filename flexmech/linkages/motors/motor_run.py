@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class ShaftLoad(ABC):
-    """What a rigid linkage asks of its shaft."""
+    """Torque and inertia that a rigid linkage asks of its shaft."""
 
     @property
     @abstractmethod
@@ -237,7 +237,7 @@ class SettledMotion:
 
     @cached_property
     def output(self) -> MotorOutput:
-        """What the motor gives, arrays of shape (m,)."""
+        """Output of the motor, arrays of shape (m,)."""
         return self.equation.train.motor_output(self.values[1], self.values[2:])
 
     @property
@@ -537,7 +537,7 @@ class MotorRun(Drive):
         return self.equation.train.rotor_speed(self.crank_speed(time), self.states(time))
 
     def motor_output(self, time: ArrayLike) -> MotorOutput:
-        """What the motor gives at times in s; shape (...) -> (...)."""
+        """Output of the motor at times in s; shape (...) -> (...)."""
         return self.equation.train.motor_output(self.crank_speed(time), self.states(time))
 
     def rotor_torque(self, time: ArrayLike) -> FloatArray:
@@ -578,7 +578,7 @@ class MotorRun(Drive):
         return [self._between(row, 0.0) for row in rows]
 
     def _between(self, known: Sequence[FloatArray], end_speed: float) -> PiecewiseMotion:
-        """What has values and derivatives (m,) at the times of the integration."""
+        """Spline with values and derivatives (m,) at the times of the integration."""
         starts, ends = ([row[part] for row in known] for part in (slice(-1), slice(1, None)))
         return PiecewiseMotion.hermite(self.time, starts, ends, float(known[0][-1]), end_speed)
 
@@ -609,7 +609,7 @@ class SettledRun(MotorRun):
 
     @cached_property
     def settled(self) -> SettledMotion | None:
-        """That of the rigid linkage."""
+        """Settled motion of the rigid linkage."""
         return self.rigid
 
     @cached_property

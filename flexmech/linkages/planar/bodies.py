@@ -241,7 +241,7 @@ class Refusal:
 
     @property
     def meeting(self) -> str:
-        """What comes into one line at the joint."""
+        """Sentence on the links that come into one line at the joint."""
         return f"{self.links} come into one line at joint {self.joint}"
 
     def first(self, where: NDArray[np.bool_], angle: FloatArray) -> str:

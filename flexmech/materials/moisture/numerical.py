@@ -206,7 +206,7 @@ class Waves:
 
     @classmethod
     def none(cls) -> Waves:
-        """Those of a slab: the same all over the width."""
+        """Waves of a slab: one, which is the same all over the width."""
         one = np.ones(1)
         return cls(np.zeros(1), one, one[:, None], np.array([0.0, np.inf]))
 
@@ -356,7 +356,7 @@ class Fluxes:
 
     @cached_property
     def _through(self) -> SparseMatrix:
-        """What the lag of the cells drives through each face upward, and out of each side."""
+        """Flow through each face upward and out of each side by the lag of the cells."""
         n = self._cells
         one: Any = np.ones(n)  # SciPy's stubs know lists of numbers alone
         faces = scipy.sparse.diags_array([one, -one], offsets=[0, -1], shape=(n + 1, n))

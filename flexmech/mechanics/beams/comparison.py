@@ -115,7 +115,7 @@ def compression_frequency(section: LaminateSection) -> float:
 
 
 def _links_of(mechanism: Mechanism) -> _Links:
-    """What frequencies of a mechanism at rest depend on."""
+    """Data that frequencies of a mechanism at rest depend on."""
     topology = mechanism.linkage.topology
     sections = tuple(
         None if link.rigid else mechanism.sections[link.name] for link in topology.links

@@ -360,7 +360,7 @@ class CarriedLinkage:
         return field_coefficients(motion.angle[:, link], pull, turning, -(speed**2))
 
     def _blocks(self, motion: RigidMotion, terms: RotationTerms) -> list[_Block]:
-        """What the frame adds to mass, damping and stiffness."""
+        """Mass, damping and stiffness of the frame."""
         batch, frame = len(motion.crank_angle), self.frame
         own = [frame.inertia_matrix, frame.damping, frame.stiffness]
         blocks = [_Block.of(matrix, batch, self.frames.size) for matrix in own]

@@ -358,7 +358,7 @@ STRETCHING_BY_INERTIA = 10.0
 # damping time, over the shape that it comes from.
 ROUND_OFF_SHAPE = 1e-6
 GREAT_DETAIL = 4.0
-"""From which on sections rotate against the axis, for links that bow deeply."""
+"""Angle from which sections rotate against the axis, for links that bow deeply."""
 # They turn in so many waves, or in one for so many nodes where a mesh has few.
 TURNING_WAVES = 8
 NODES_A_WAVE = 2

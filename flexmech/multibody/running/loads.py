@@ -1,4 +1,4 @@
-"""What acts on a running linkage: weight, torque or motor, impacts, couples of sections.
+"""Loads on a running linkage: weight, torque or motor, impacts, couples of sections.
 
 Pulses of a hammer act on points of links. A point need not be a node: the force is put on the
 element where the point is, which spreads it over its two nodes by its own shape functions (a

@@ -1,4 +1,4 @@
-"""What Exudyn calls while a linkage runs, and what prescribes the motion of its shaft.
+"""User functions of a running linkage in Exudyn, and the motion of its shaft.
 
 An exported script contains the text of these functions and classes as it stands here. They
 need nothing but ``math``, ``bisect``, NumPy and plain numbers, so that what the program runs and

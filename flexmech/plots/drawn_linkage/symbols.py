@@ -410,7 +410,7 @@ def extent_of(links: FloatArray) -> float:
 
 @dataclass(frozen=True)
 class LinkageParts:
-    """What belongs to a linkage besides its links.
+    """Parts of a linkage besides its links.
 
     Parameters
     ----------
@@ -688,7 +688,7 @@ def spring_symbols(posture: Posture) -> list[Symbol]:
 
 
 def wall_symbols(posture: Posture) -> list[Symbol]:
-    """What holds springs and dampers on the ground."""
+    """Supports of springs and dampers on the ground."""
     found, half = [], WALL * posture.size
     for spring in posture.parts.springs:
         places = [posture.spring_end(end) for end in spring["ends"]]
