@@ -367,11 +367,14 @@ class EngineDifference:
         Errors of both engines together, relative.
     of : str
         What differs, such as ``"peak driving torque"``; empty where all numbers are of a kind.
+    left_out : str
+        Which errors are not counted, in words.
     """
 
     apart: float
     allowed: float
     of: str = ""
+    left_out: str = ""
 
     @classmethod
     def least_explained(
@@ -474,7 +477,8 @@ def _by(difference: EngineDifference) -> str:
     if not math.isfinite(difference.apart):
         return " by more than their errors explain"
     apart, allowed = percent(difference.apart), percent(difference.allowed)
-    return f" by {apart}{_where(difference)}, more than their errors of {allowed} explain"
+    beyond = f", which leave out {difference.left_out}" if difference.left_out else ""
+    return f" by {apart}{_where(difference)}, more than their errors of {allowed} explain{beyond}"
 
 
 def _where(difference: EngineDifference) -> str:

@@ -6,6 +6,7 @@ What a run answers: how far links bend, their stress, the joint forces and the t
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -329,7 +330,10 @@ def engine_difference(
         what = str(name).replace("_", " ")
         labels = [f"{what} of {label}" for dim in gap.dims for label in gap[dim].values]
         of += labels or [what]
-    return EngineDifference.least_explained(apart, allowed, of)
+    difference = EngineDifference.least_explained(apart, allowed, of)
+    if "mesh_error" in dataset:
+        return difference
+    return replace(difference, left_out="those of the mesh (more --elements show them)")
 
 
 def disagreement(

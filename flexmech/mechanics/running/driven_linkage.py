@@ -596,7 +596,8 @@ class DrivenLinkage:
         for number, (full, basis) in enumerate(zip(self.unreduced, self.run_bases, strict=True)):
             both = np.stack([state.displacement[number], state.rate[number]], axis=1)
             both = self._from_engine[number] @ both
-            if not full.rigid:
+            # A rigid link has all its coordinates, and a mass that may be singular.
+            if basis.shape[1] < len(basis):
                 weighted = basis.T @ full.mass
                 both = np.asarray(np.linalg.solve(weighted @ basis, weighted @ both), dtype=float)
             nearest.append(both[None])
