@@ -451,7 +451,8 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
         stiff = f"of {tension} GPa in tension and of {bending} GPa in bending"
         if tension == bending:
             stiff = f"of {tension} GPa in tension and bending"
-        first = f"{who} as stiff as {bar} {stiff}; {_have(links)} {mass} kg/m."
+        whose = "its" if len(links) == 1 else "their"
+        first = f"{who} as stiff as {bar} {stiff}; {whose} mass is {mass} kg/m."
     else:
         tension, bending = (
             _range(with_coupling["axial_stiffness"], 1e-6),
@@ -459,10 +460,6 @@ def _answer(data: xr.Dataset) -> tuple[str, ...]:
         )
         first = f"EA is {tension} MN, EI {bending} N m², the mass {mass} kg/m."
     return (first, *_on_coupling(data, links))
-
-
-def _have(links: Sequence[str]) -> str:
-    return "has" if len(links) == 1 else "have"
 
 
 def _on_coupling(data: xr.Dataset, links: Sequence[str]) -> Iterator[str]:
