@@ -246,5 +246,8 @@ def test_two_welds_of_a_rigid_link_let_it_turn_once(models: Any, tmp_path: Any) 
     )
     assert found == pytest.approx(whole, abs=2e-3 * np.abs(whole).max())
     # Its point mass has no rotary inertia, which the start on the periodic motion does not need.
-    settled = response(engine.unreduced(), ResponseRequest(ConstantSpeed(1.0), 0.02, 360)).dataset
-    assert float(settled["energy_error"].max()) < 1e-5
+    settled, whole = (
+        response(one, ResponseRequest(ConstantSpeed(1.0), 0.02, 360)).dataset["deflection"].values
+        for one in (engine, engine.unreduced())
+    )
+    assert settled == pytest.approx(whole, abs=3e-3 * np.abs(whole).max())

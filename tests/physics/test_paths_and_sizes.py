@@ -195,3 +195,18 @@ def test_means_of_a_run_are_those_of_its_last_turn(tmp_path: Path) -> None:
     lines = json.loads(ended.stdout)["details"]["tables"]
     (table,) = (one for one in lines if one["title"].startswith("sizes"))
     assert table["title"] == "sizes of motor and bearings, over the last turn"
+
+
+def test_peaks_of_sizes_are_those_of_the_answer_between_few_samples(tmp_path: Path) -> None:
+    words = ("--start", "rigid", "--engine", "reference", "--elements", "2", "--samples", "24")
+    model = "models/aluminium_fourbar.toml"
+    ended = run_command(tmp_path / "out", "response", model, *words, "--no-plots", "--json")
+    found = sizes(ended.folder)
+    numbers = {
+        (one["name"], one["of"]): one["value"] for one in json.loads(ended.stdout)["numbers"]
+    }
+    for joint in ("O2", "A", "B", "O4"):
+        peak = numbers["peak_joint_force", joint]
+        assert found["peak_force", joint] == pytest.approx(peak, rel=0.01)
+    torque = next(value for (name, _), value in numbers.items() if name == "peak_driving_torque")
+    assert found["peak_torque", "shaft"] == pytest.approx(torque, rel=0.01)

@@ -67,6 +67,7 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
     first, topology = engines[0], engines[0].mechanism.linkage.topology
     motion = request.drive.motion(first.mechanism.linkage, time)
     duration, turns = _window(first, request, plan.lowest), whole_turns(request)
+    last_turn = slice(-request.samples * plan.refinement - 1 if turns else None, None)
     parts = [
         {
             **_history(run, motion, plan.refinement, request, rotor_torque),
@@ -75,10 +76,10 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
             **_spectra(run, request, plan, duration),
             **driven_values(run.trajectory, request, plan.refinement),
             **motor,
-            **sizes_of_run(run.engine, run.trajectory[:: plan.refinement], request, motor, turns),
+            **sizes_of_run(run.engine, run.trajectory, request, driven, last_turn),
         }
         for run in runs
-        for motor, rotor_torque in [motor_of_run(run.trajectory, request, plan.refinement)]
+        for motor, rotor_torque, driven in [motor_of_run(run.trajectory, request, plan.refinement)]
     ]
     values = {
         "engine": [engine.name for engine in engines],

@@ -15,6 +15,7 @@ from flexmech.analyses.aspects.motor import (
     motor_values,
     settled_values,
 )
+from flexmech.analyses.aspects.sizing import Driven
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.extremes import peaks_between
 from flexmech.analyses.response.agreement import listed
@@ -164,7 +165,7 @@ def with_motor(
 
 def motor_of_run(
     refined: Trajectory, request: ResponseRequest, refinement: int
-) -> tuple[Values, FloatArray | None]:
+) -> tuple[Values, FloatArray | None, list[Driven]]:
     """What the motor gives in a run, and how evenly the crank turns in its last turn.
 
     Parameters
@@ -181,12 +182,14 @@ def motor_of_run(
         Empty without a motor.
     ndarray, shape (N,), or None
         Rate of the angular momentum of the rotor in N m at the samples asked for.
+    list of Driven
+        Torque and speed of the motor at the refined samples.
     """
     from scipy.interpolate import CubicSpline
 
     run, shaft = request.drive, refined.shaft
     if not isinstance(run, MotorRun) or shaft is None:
-        return {}, None
+        return {}, None, []
     time = refined.time
     speed = run.crank_speed(time) + shaft.rate
     angle = run.crank_angle(time) + shaft.rotation
@@ -200,7 +203,8 @@ def motor_of_run(
     mean, fluctuation = last_turn(angle, speed, time)
     told: Values = {name: of_time[::refinement] for name, of_time in values.items()}
     told |= {"last_turn_speed": mean, "last_turn_fluctuation": fluctuation}
-    return told, np.asarray(momentum(time[::refinement], 1))
+    motor = Driven("motor", values["motor_torque"], values["motor_speed"])
+    return told, np.asarray(momentum(time[::refinement], 1)), [motor]
 
 
 def shaft_aspect(data: xr.Dataset) -> Aspect:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
@@ -25,37 +27,38 @@ _ERRORS = {
 
 
 def sizes_of_run(
-    engine: Engine, trajectory: Trajectory, request: ResponseRequest, given: Values, turns: int
+    engine: Engine,
+    refined: Trajectory,
+    request: ResponseRequest,
+    motor: Sequence[Driven],
+    counted: slice,
 ) -> Values:
     """Means and peaks over the last turn of a periodic motion, or over the run.
 
     Parameters
     ----------
     engine : Engine
-    trajectory : Trajectory
-        At the samples asked for.
+    refined : Trajectory
+        At the refined samples.
     request : ResponseRequest
-    given : dict
-        What a motor gives; see :func:`flexmech.analyses.aspects.motor.motor_values`.
-    turns : int
-        Whole turns of a run on the periodic motion; 0 of other runs.
+    motor : sequence of Driven
+        A motor at these samples, if there is one.
+    counted : slice
+        Samples of the last turn, or all.
 
     Returns
     -------
     dict
     """
-    drive, time, shaft = request.drive, trajectory.time, trajectory.shaft
-    torque, speed = trajectory.driving_torque, drive.crank_speed(time)
+    drive, time, shaft = request.drive, refined.time, refined.shaft
+    torque, speed = refined.driving_torque, drive.crank_speed(time)
     if shaft is None:
         torque = torque + engine.mechanism.shaft_inertia * drive.crank_acceleration(time)
     else:
         speed = speed + shaft.rate
-    driven = [Driven("shaft", torque, speed)]
-    if "motor_torque" in given:
-        driven.append(Driven("motor", given["motor_torque"], given["motor_speed"]))
-    counted = slice(-request.samples - 1, None) if turns else slice(None)
+    driven = [Driven("shaft", torque, speed), *motor]
     names = engine.mechanism.linkage.topology.joint_names
-    forces = trajectory.joint_force[counted]
+    forces = refined.joint_force[counted]
     return sizing_values(
         time[counted],
         [Driven(one.of, one.torque[counted], one.speed[counted]) for one in driven],

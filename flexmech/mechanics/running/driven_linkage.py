@@ -596,10 +596,9 @@ class DrivenLinkage:
         for number, (full, basis) in enumerate(zip(self.unreduced, self.run_bases, strict=True)):
             both = np.stack([state.displacement[number], state.rate[number]], axis=1)
             both = self._from_engine[number] @ both
-            # A rigid link has all its coordinates, and a mass that may be singular.
-            if basis.shape[1] < len(basis):
-                weighted = basis.T @ full.mass
-                both = np.asarray(np.linalg.solve(weighted @ basis, weighted @ both), dtype=float)
+            # A basis of all coordinates needs no mass, which of a rigid link may be singular.
+            weights = basis.T @ full.mass if basis.shape[1] < len(basis) else np.eye(len(basis))
+            both = np.asarray(np.linalg.solve(weights @ basis, weights @ both), dtype=float)
             nearest.append(both[None])
         motion = self.motion(np.array([time]))
         values = self.frames.independent(motion, nearest)[0].T
