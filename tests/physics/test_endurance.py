@@ -263,7 +263,7 @@ def test_links_whose_fatigue_is_not_judged_are_told_with_the_reason() -> None:
     part = StrengthRequest(20.0, crank_angles=np.radians([0.0, 5.0, 10.0]), search_speed=False)
     coarse = replace(rigid, crank_angles=np.radians([0.0, 90.0, 180.0, 270.0]))
     for model, asked, words in (
-        (replace(mechanism, sections=sections), rigid, "composites .*: coupler"),
+        (replace(mechanism, sections=sections), rigid, "fatigue of composite links .*: coupler"),
         (mechanism, part, "do not cover a turn"),
         (mechanism, replace(part, source="rigid"), "do not cover a turn"),
         (mechanism, coarse, "steps of 30 deg"),
