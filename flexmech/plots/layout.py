@@ -149,8 +149,8 @@ class Sheet:
     ) -> None:
         """Put legend and title above the panels; the legend alone on the first of the user's.
 
-        Both begin at the left edge of the first panel. Entries run along the rows, as many a row as
-        the figure's width holds.
+        Both begin at the left edge of the first panel, or of a narrow page. Entries run along the
+        rows, as many a row as the figure's width holds.
 
         Parameters
         ----------
@@ -166,7 +166,7 @@ class Sheet:
             if handles:
                 self.panels[0].legend(handles=handles)
             return
-        name, room = "" if of is None else mechanism_name(of), figure_width() - BESIDE_PANELS
+        name, room = "" if of is None else mechanism_name(of), _heading_width()
         terms = "" if of is None else terms_text(of)
         texts = (name, terms[:1].upper() + terms[1:], *title.split("\n"))
         lines = [line for text in texts for line in wrapped(text, room)]
@@ -178,13 +178,15 @@ class Sheet:
         layout = self.figure.get_layout_engine()
         if isinstance(layout, ConstrainedLayoutEngine):
             layout.set(rect=(0.0, 0.0, 1.0, below))
-        left_edge, top = self.panels[0].transAxes, self.figure.transFigure
+        # A narrow page has no room to lose beside its axes.
+        page = self.figure.transFigure
+        left_edge = page if is_narrow() else self.panels[0].transAxes
         self.figure.legend(
             # Matplotlib fills a legend column by column; every column but the last ones is full.
             handles=[handle for start in range(columns) for handle in handles[start::columns]],
             loc="upper left",
-            bbox_to_anchor=(0.0, 1.0 - 0.05 / self.figure.get_figheight()),
-            bbox_transform=blended_transform_factory(left_edge, top),
+            bbox_to_anchor=(0.02 * is_narrow(), 1.0 - 0.05 / self.figure.get_figheight()),
+            bbox_transform=blended_transform_factory(left_edge, page),
             borderpad=0.0,
             borderaxespad=0.0,
             alignment="left",
@@ -272,6 +274,11 @@ def _given(ax: AxesLike, count: int, fewer: str) -> list[Axes]:
     return given
 
 
+def _heading_width() -> float:
+    """Width in inches that a legend and a title may take."""
+    return figure_width() - (0.1 if is_narrow() else BESIDE_PANELS)
+
+
 def legend_columns(labels: list[str]) -> int:
     """Columns of legend entries, filled along the rows, that the figure's width holds.
 
@@ -284,7 +291,7 @@ def legend_columns(labels: list[str]) -> int:
 
     def fits(columns: int) -> bool:
         needed: float = sum(max(widths[n::columns], default=0.0) for n in range(columns))
-        return needed <= figure_width() - BESIDE_PANELS
+        return needed <= _heading_width()
 
     count = max(len(labels), 1)
     most = next((n for n in range(count, 1, -1) if fits(n)), 1)

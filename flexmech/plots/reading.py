@@ -229,11 +229,11 @@ def names_of(dataset: xr.Dataset | xr.DataArray, coordinate: str) -> list[str]:
 
 
 def joint_title(dataset: xr.Dataset, joint: str) -> str:
-    """Force at a joint, and on which link another exerts it, where a dataset has that."""
+    """A joint, and which link exerts the force on which, where a dataset has that."""
     there = dataset.sel(joint=joint)
     if "force_by" not in there.coords:
-        return f"Force at {joint}"
-    return f"Force of the {there['force_by'].item()} on the {there['force_on'].item()} at {joint}"
+        return joint
+    return f"{joint}: force of the {there['force_by'].item()} on the {there['force_on'].item()}"
 
 
 def complex_values(dataset: xr.Dataset, name: str, *order: str) -> ComplexArray:

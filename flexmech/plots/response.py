@@ -172,7 +172,7 @@ def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Pictu
         for part, (elastic, rigid) in parts.items():
             curves = elastic_and_rigid(dataset, elastic, rigid)
             title = reading.joint_title(dataset, joint) if part == "magnitude" else ""
-            what = part.capitalize() if part == "magnitude" else f"Along {part}"
+            what = f"Force at {joint},\n{part}"
             panes.append(Pane(what, curves, reading.FORCE_UNITS, title, (ZERO,)))
     band = dataset.attrs.get("force_band")
     up_to = "" if band is None else f", forces up to {band:.4g} Hz"

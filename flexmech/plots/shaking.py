@@ -199,7 +199,7 @@ def _balanced(dataset: xr.Dataset) -> list[Pane]:
             reading.values_of(running, "state", "elastic_angle", "component"), axis=-1
         )
         sizes += [
-            replace(one, name="the same, elastic links", look=one.look | _ELASTIC)
+            replace(one, name=f"{one.name}, elastic links", look=one.look | _ELASTIC)
             for one in series(turned, of_elastic, states)
         ]
     panes = [Pane("Shaking force", sizes, reading.FORCE_UNITS, spans=(ZERO,))]

@@ -89,7 +89,7 @@ def plotted(name: str, picture: Picture, title: str = "") -> Plot:
     shown = replace(picture, panes=panes).in_units()
     alone = (LEAST_HEIGHT - FRAME_HEIGHT) / PANE_HEIGHT if len(panes) == 1 else 1.0
     labels = [
-        _beside(pane.label or pane.title.partition(",")[0], max(pane.height, alone))
+        _beside(pane.label or pane.title.partition(":")[0], max(pane.height, alone))
         for pane in shown.panes
     ]
     traces = list(_traces(shown))

@@ -173,7 +173,7 @@ def ran(make: Make, drawing: Drawing, speed: float, turns: float, **asked: Any) 
     """Deflections of both drawings, of the links that both have."""
     options = {name: asked.pop(name) for name in ("component_modes",) if name in asked}
     elements = asked.pop("elements", 3)
-    request = ResponseRequest(speed, turns, **asked)
+    request = ResponseRequest(speed, turns, **({"start": "rigid"} | asked))
     body, weld = (
         response(engine, request).dataset["deflection"]
         for engine in engines(make, drawing, elements, **({"component_modes": True} | options))

@@ -98,9 +98,9 @@ DRAWN: dict[Plot, list[Row]] = {
     plots.plot_forces: [
         Row(0, "Driving torque (N m)", lambda d: d["driving_torque"]),
         Row(0, "Driving torque (N m)", lambda d: d["rigid_driving_torque"]),
-        Row(2, "Magnitude (N)", size("joint_force", joint="A")),
-        Row(4, "Magnitude (N)", size("joint_force", joint="O4")),
-        Row(4, "Magnitude (N)", size("rigid_joint_force", joint="O4")),
+        Row(2, "Force at A, magnitude (N)", size("joint_force", joint="A")),
+        Row(4, "Force at O4, magnitude (N)", size("joint_force", joint="O4")),
+        Row(4, "Force at O4, magnitude (N)", size("rigid_joint_force", joint="O4")),
     ],
     plots.plot_frame_motion: [
         Row(0, "Frame along x (mm)", lambda d: 1e3 * d["frame_displacement"].sel(component="x")),

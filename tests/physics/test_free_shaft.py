@@ -138,7 +138,9 @@ def test_damped_modes_beside_the_rigid_one_have_half_of_omega_tau() -> None:
 
 
 def run(engine: Any, shaft_inertia: float, **asked: Any) -> Any:
-    request = ResponseRequest(ConstantSpeed(20.0), revolutions=0.05, step=1e-4, **asked)
+    request = ResponseRequest(
+        ConstantSpeed(20.0), revolutions=0.05, step=1e-4, start="rigid", **asked
+    )
     return response(
         engine(fourbar_on_shaft(shaft_inertia), 2, component_modes=False), request
     ).dataset

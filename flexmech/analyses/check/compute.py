@@ -283,7 +283,7 @@ def check_mechanism(mechanism: Engine | Mechanism, asked: CheckOptions) -> Model
     >>> check.dataset["length"].values
     array([0.102 , 0.2794, 0.2667])
     >>> check.remarks[0].partition(":")[0]
-    'transmission angle 32.21 to 81.33 deg leaves 40 to 140 deg'
+    'transmission angle 32.21 to 81.33 deg leaves the usual 40 to 140 deg'
     """
     engine = engine_of(mechanism, elastic=False)
     mechanism, crank_angle = engine.mechanism, asked.crank_angle
