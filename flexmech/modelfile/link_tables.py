@@ -47,16 +47,16 @@ Corner = tuple[si.Distance, si.Distance]
 class PlateTable(base.Table):
     """A rigid plate that is fixed to a section of a link: a body with the mass of its shape."""
 
-    shape: Literal["triangle"] = Field(description="Of a plate of even thickness")
+    shape: Literal["triangle"] = Field(description="Shape of a plate of even thickness")
     corners: tuple[Corner, Corner, Corner] | None = base.optional(
-        "Of the plate, along and across the link from its first joint; left out: those of the "
-        "coupler and its coupler_point, or the three points of a link of a planar linkage"
+        "Corners along and across the link from its first joint; left out: the coupler's joints "
+        "and its coupler_point, or the three points of a link of a planar linkage"
     )
     position: si.LengthOrZero | None = base.optional(
         "Distance from the link's first joint of the section that carries it; opposite to its "
         "centre of mass if left out"
     )
-    mass: si.BodyMass | None = base.optional("Of the plate; or material and thickness")
+    mass: si.BodyMass | None = base.optional("Mass of the plate; or give material and thickness")
     material: base.Text | None = base.optional("With thickness: name of a table under [materials]")
     thickness: si.Width | None = base.optional("With material: along the joint axes")
 

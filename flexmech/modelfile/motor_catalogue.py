@@ -35,13 +35,13 @@ class CatalogueMotor:
     ----------
     name : str
     rated_torque : float
-        That it gives all the time, in N m on its own shaft.
+        Continuous torque on the motor's shaft in N m.
     peak_torque : float
-        That it gives for a short time, in N m.
+        Short-time torque there in N m.
     max_speed : float
-        Of its own shaft, in rad/s.
+        Greatest speed of that shaft in rad/s.
     inertia : float
-        Of its rotor in kg m^2.
+        Inertia of the rotor in kg m^2.
     gear_ratio : float
         Motor speed over crank speed.
     max_inertia_ratio : float, optional

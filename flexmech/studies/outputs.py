@@ -65,8 +65,10 @@ def peak_driving_torque(design: Design, speed: float, angles: int) -> float:
     return _greatest(torque_at, angles)
 
 
-def peak_joint_force(design: Design, speed: float, angles: int, joint: str | None) -> float:
-    """Greatest force in a joint of the rigid linkage over a turn, in N.
+def peak_joint_forces(
+    design: Design, speed: float, angles: int, joint: str | None
+) -> dict[str, float]:
+    """Greatest force in each joint of the rigid linkage over a turn, in N.
 
     Parameters
     ----------
@@ -76,11 +78,11 @@ def peak_joint_force(design: Design, speed: float, angles: int, joint: str | Non
     angles : int
         Crank angles over the turn that count in any case.
     joint : str or None
-        The greatest of all joints if left out.
+        That joint alone; all joints if left out.
 
     Returns
     -------
-    float
+    dict of str to float
 
     Raises
     ------
@@ -96,7 +98,8 @@ def peak_joint_force(design: Design, speed: float, angles: int, joint: str | Non
         found = design.forces_at(crank_angle, speed).joint_force
         return np.stack([np.linalg.norm(found[name], axis=-1) for name in chosen], axis=1)
 
-    return _greatest(forces_at, angles)
+    peaks = greatest_between(forces_at, _closed_turn(angles)).value
+    return dict(zip(chosen, peaks.tolist(), strict=True))
 
 
 def path_error(design: Design, angles: int, points: tuple[tuple[float, float], ...]) -> float:
@@ -382,8 +385,8 @@ class Output:
         """
         name, speed = PEAKS.get(self.quantity), self.speed_of(design)
         if self.quantity == "peak_joint_force" and self.joint is None:
-            joints = design.mechanism.linkage.topology.joint_names
-            return max(joints, key=lambda one: peak_joint_force(design, speed, self.angles, one))
+            forces = peak_joint_forces(design, speed, self.angles, None)
+            return max(forces, key=lambda joint: forces[joint])
         if name is None or self.link is not None or self.point is not None:
             return ""
         return design.place_of_peak(name, speed)
@@ -455,7 +458,8 @@ def _peak_torque(design: Design, output: Output) -> float:
 
 
 def _peak_joint_force(design: Design, output: Output) -> float:
-    return peak_joint_force(design, output.speed_of(design), output.angles, output.joint)
+    forces = peak_joint_forces(design, output.speed_of(design), output.angles, output.joint)
+    return max(forces.values())
 
 
 def _damping(design: Design, output: Output) -> float:

@@ -59,13 +59,12 @@ class DrivenShaft(NamedTuple):
         """What it needs of a motor: torque and speed on the motor's shaft, ratio of inertias."""
         gear, place = motor.gear_ratio, self.place
         torque = self.torque / gear + motor.inertia * gear * self.acceleration
-        mean = float(np.trapezoid(self.inertia, place) / (place[-1] - place[0]))
         rotor = motor.inertia * gear**2
         return {
             "rms_torque": mean_size(torque, place, 2.0),
             "peak_torque": mean_size(torque, place, GREATEST),
             "peak_speed": gear * mean_size(self.speed, place, GREATEST),
-            "inertia_ratio": mean / rotor if rotor else math.inf,
+            "inertia_ratio": mean_size(self.inertia, place, 1.0) / rotor if rotor else math.inf,
         }
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -301,7 +302,8 @@ def balance(mechanism: Mechanism | Engine, request: BalanceRequest) -> Balance:
     weights, remark = counterweights(given, request)
     after = balanced(given, weights)
     states = [given, after]
-    if (limit := full_balance(given, request)) is not None:
+    if not request.full and OneCouplerLinkage.of(given.linkage.topology).follower is not None:
+        limit, _ = counterweights(given, replace(request, weights=None, full=True))
         states.append(balanced(given, limit))
     dataset = balance_dataset(states, weights, request)
     dataset.attrs |= {
@@ -363,25 +365,6 @@ def counterweights(
         remark = f"balance of the rotating masses and of {part} of the reciprocating mass"
     moments = linkage.balancing_moments(masses, request.share)
     return _placed(mechanism, linkage, moments, request, _NOISE), remark
-
-
-def full_balance(mechanism: Mechanism, request: BalanceRequest) -> tuple[Counterweight, ...] | None:
-    """Counterweights of the full force balance beside a four-bar's compromise; None without one.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    request : BalanceRequest
-
-    Returns
-    -------
-    tuple of Counterweight or None
-    """
-    linkage = OneCouplerLinkage.of(mechanism.linkage.topology)
-    if linkage.follower is None or request.weights_of(linkage) is None:
-        return None
-    moments = linkage.balancing_moments(mechanism.link_masses_in_order)
-    return _placed(mechanism, linkage, moments, request, _NOISE)
 
 
 def _compromise(
