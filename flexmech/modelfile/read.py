@@ -29,7 +29,7 @@ from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings, input_error, refuse_unseen_characters
 from flexmech.modelfile.placing import TwoPlaces, placed_points
 from flexmech.units import TEMPERATURE, Dimension
-from flexmech.validation import check_instance
+from flexmech.validation import check_instance, check_number
 
 MOST_BYTES = 10_000_000
 """Greatest size of a model file or a study: a hundred times that of the longest ones."""
@@ -281,8 +281,11 @@ class StatedModel:
                 raise InputError(
                     f"the model states no quantity {key!r}; {suggestion(key, sorted(self._keys))}"
                 )
-            stated = value if isinstance(value, str) else quantity(value, self.quantities[key])
-            data = _with_entry(data, self._keys[key], stated)
+            if not isinstance(value, str):
+                dimension = self.quantities[key]
+                check_number(value, key, dimension.unit)
+                value = quantity(value, dimension)
+            data = _with_entry(data, self._keys[key], value)
         return data
 
 

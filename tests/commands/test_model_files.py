@@ -399,7 +399,8 @@ def test_a_quantity_is_set_by_its_key_and_nothing_else_changes(aluminium):
     thicker = mechanism_with(aluminium, "links.coupler.in_plane_thickness", 3.2e-3)
     ratio = thicker.sections["coupler"].bending_stiffness
     assert ratio == pytest.approx(8 * aluminium.sections["coupler"].bending_stiffness)
-    for key, value in (("linkage.couple", 0.1), ("linkage.coupler", -0.1), ("linkage.coupler", 3)):
+    bad = (("linkage.couple", 0.1), *(("linkage.coupler", bad) for bad in (-0.1, 3, np.nan)))
+    for key, value in bad:
         with pytest.raises(InputError, match=r"linkage|assembled"):
             mechanism_with(aluminium, key, value)
 
