@@ -67,15 +67,15 @@ def direct_receptance(
     ndarray of complex, shape (F, r, p)
         In m/N.
     """
-    found = np.empty((len(frequency), len(response), len(force)), dtype=complex)
+    receptance = np.empty((len(frequency), len(response), len(force)), dtype=complex)
     at_once = max(1, AT_ONCE // mass.size)
     for first in range(0, len(frequency), at_once):
-        some = slice(first, first + at_once)
-        s = 2j * np.pi * frequency[some, None, None]
+        rows = slice(first, first + at_once)
+        s = 2j * np.pi * frequency[rows, None, None]
         dynamic = s**2 * mass + s * damping + stiffness
         right = np.broadcast_to(force.T.astype(complex), (len(dynamic), *force.T.shape))
-        found[some] = response @ np.linalg.solve(dynamic, right)
-    return found
+        receptance[rows] = response @ np.linalg.solve(dynamic, right)
+    return receptance
 
 
 @dataclass(frozen=True)
@@ -170,15 +170,15 @@ class StateModes:
         chosen = np.ones(len(self.poles), dtype=bool) if kept is None else kept
         residues = self.residues(response, force)[chosen]
         shape = (len(frequency), len(response), len(force))
-        found = np.empty(shape, dtype=complex)
+        receptance = np.empty(shape, dtype=complex)
         at_once = max(1, AT_ONCE // max(1, chosen.sum()))
         for first in range(0, len(frequency), at_once):
-            some = slice(first, first + at_once)
-            s = shift + 2j * np.pi * frequency[some, None]
-            found[some] = np.tensordot(1 / (s - self.poles[chosen]), residues, axes=(1, 0))
+            rows = slice(first, first + at_once)
+            s = shift + 2j * np.pi * frequency[rows, None]
+            receptance[rows] = np.tensordot(1 / (s - self.poles[chosen]), residues, axes=(1, 0))
         if kept is not None:
-            found += self.residual(response, force, kept)
-        return found
+            receptance += self.residual(response, force, kept)
+        return receptance
 
 
 def state_modes(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) -> StateModes:

@@ -79,7 +79,7 @@ class PeriodicSystem(ABC):
         return int(self.matrices(1, 0.0).shape[-1])
 
     @abstractmethod
-    def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:
+    def matrices(self, count: int, shift: float, which: slice = slice(None)) -> FloatArray:
         """A at the times ``(k + shift) period / count``, shape (count, n, n).
 
         Parameters
@@ -87,7 +87,7 @@ class PeriodicSystem(ABC):
         count : int
         shift : float
             In spacings.
-        part : slice
+        which : slice
             Part of the numbers k; all by default.
         """
 
@@ -111,7 +111,7 @@ class StatedPeriodicSystem(PeriodicSystem):
     matrix: Callable[[FloatArray], FloatArray]
     period: float
 
-    def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:
+    def matrices(self, count: int, shift: float, which: slice = slice(None)) -> FloatArray:
         """A at the times ``(k + shift) period / count``, shape (count, n, n).
 
         Parameters
@@ -119,10 +119,10 @@ class StatedPeriodicSystem(PeriodicSystem):
         count : int
         shift : float
             In spacings.
-        part : slice
+        which : slice
             Part of the numbers k; all by default.
         """
-        time: FloatArray = self.period / count * (np.arange(count, dtype=float)[part] + shift)
+        time: FloatArray = self.period / count * (np.arange(count, dtype=float)[which] + shift)
         return np.asarray(self.matrix(time))
 
 
@@ -151,7 +151,7 @@ class SampledPeriodicSystem(PeriodicSystem):
         """Whether the matrix does not change over the period."""
         return not self.matrix.harmonics
 
-    def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:
+    def matrices(self, count: int, shift: float, which: slice = slice(None)) -> FloatArray:
         """A at the times ``(k + shift) period / count``, shape (count, n, n).
 
         Parameters
@@ -159,10 +159,10 @@ class SampledPeriodicSystem(PeriodicSystem):
         count : int
         shift : float
             In spacings.
-        part : slice
+        which : slice
             Part of the numbers k; all by default.
         """
-        return self.matrix.samples(count, shift, part)
+        return self.matrix.samples(count, shift, which)
 
     def traces(self, count: int) -> FloatArray:
         """Trace of A at the times ``k period / count``, shape (count,)."""
@@ -170,7 +170,7 @@ class SampledPeriodicSystem(PeriodicSystem):
         return FourierSeries(coefficients).samples(count)
 
 
-def magnus_exponents(system: PeriodicSystem, steps: int, part: slice = slice(None)) -> FloatArray:
+def magnus_exponents(system: PeriodicSystem, steps: int, which: slice = slice(None)) -> FloatArray:
     """Matrices whose exponentials are the transition matrices of a period's steps.
 
     Parameters
@@ -179,14 +179,14 @@ def magnus_exponents(system: PeriodicSystem, steps: int, part: slice = slice(Non
     steps : int
         N, all of the same length.
 
-    part : slice
+    which : slice
         Part of the steps; all by default.
 
     Returns
     -------
     ndarray, shape (N, n, n)
     """
-    first, middle, last = (system.matrices(steps, place, part) for place in GAUSS_POINTS)
+    first, middle, last = (system.matrices(steps, place, which) for place in GAUSS_POINTS)
     step = system.period / steps
     result = np.empty(middle.shape)
     for block in cache_blocks(middle):
@@ -215,8 +215,8 @@ def transition_matrices(system: PeriodicSystem, steps: int) -> FloatArray:
     """
     result = np.empty((steps, system.size, system.size))
     for first in range(0, steps, EXPONENTS):
-        part = slice(first, first + EXPONENTS)
-        result[part] = matrix_exponentials(magnus_exponents(system, steps, part))
+        steps_at_once = slice(first, first + EXPONENTS)
+        result[steps_at_once] = matrix_exponentials(magnus_exponents(system, steps, steps_at_once))
     return result
 
 
@@ -262,8 +262,8 @@ def _exponentials_of_block(matrices: FloatArray) -> FloatArray:
     parts = np.tensordot(COEFFICIENTS, powers, axes=1)
     result: FloatArray = parts[3] + LAST * fourth
     with np.errstate(over="ignore", invalid="ignore"):
-        for part in parts[2::-1]:
-            result = result @ fourth + part
+        for term in parts[2::-1]:
+            result = result @ fourth + term
         for _ in range(halvings):
             result = result @ result
     return result
@@ -435,15 +435,15 @@ class _PropagatedShapes:
     @cached_property
     def _starts(self) -> NDArray[np.complex128]:
         """Shapes at the starts of the K rows of the modes that are no conjugates of others."""
-        own = np.flatnonzero(~self._conjugate)
-        return modes_backwards(self.triangular, self.log, self.vectors, own)
+        unpaired = np.flatnonzero(~self._conjugate)
+        return modes_backwards(self.triangular, self.log, self.vectors, unpaired)
 
     def shapes(self, every: int, wanted: IntArray) -> NDArray[np.complex128]:
         raw = self.order[wanted]
-        found = self._own_shapes(every, (np.cumsum(~self._conjugate) - 1)[raw], raw)
+        shapes = self._own_shapes(every, (np.cumsum(~self._conjugate) - 1)[raw], raw)
         mirrored = self._conjugate[raw]
-        found[..., mirrored] = found[..., mirrored].conj()
-        return found
+        shapes[..., mirrored] = shapes[..., mirrored].conj()
+        return shapes
 
     def _own_shapes(self, every: int, place: IntArray, raw: IntArray) -> NDArray[np.complex128]:
         """Shapes (.., n, k) of modes at places among those that are no conjugates."""
@@ -569,17 +569,17 @@ def _log_condition(matrices: FloatArray) -> float:
     """Logarithm of the greatest ratio of a matrix's singular values, or a bound within SHORT."""
     if not np.isfinite(matrices).all():
         return np.inf
-    found = -np.inf
+    largest = -np.inf
     with np.errstate(divide="ignore", over="ignore"):
         for block in cache_blocks(matrices):
             # The bound takes a tenth of the time of singular values.
             greatest = np.linalg.cond(matrices[block], "fro").max()
             if not np.log(greatest) <= SHORT:
                 greatest = np.linalg.cond(matrices[block]).max()
-            found = max(found, float(np.log(greatest)))
-            if not found <= SHORT:
+            largest = max(largest, float(np.log(greatest)))
+            if not largest <= SHORT:
                 break
-    return found
+    return largest
 
 
 def chunk_products(chunks: FloatArray) -> FloatArray:

@@ -87,7 +87,7 @@ class FourierSeries:
         waves = np.where(order, 2.0, 1.0) * np.exp(2j * np.pi * np.multiply.outer(phase, order))
         return np.asarray(np.tensordot(waves, self.coefficients, 1).real)
 
-    def samples(self, count: int, shift: float = 0.0, part: slice = slice(None)) -> FloatArray:
+    def samples(self, count: int, shift: float = 0.0, which: slice = slice(None)) -> FloatArray:
         """Values at the phases ``(k + shift) / count``, shape (count, ...).
 
         Parameters
@@ -95,7 +95,7 @@ class FourierSeries:
         count : int
         shift : float
             In spacings.
-        part : slice
+        which : slice
             Part of the numbers k; all by default.
         """
         flat = self.coefficients.reshape(len(self.coefficients), -1)
@@ -103,7 +103,7 @@ class FourierSeries:
         turn = np.where(order, 2.0, 1.0) * np.exp(2j * np.pi * order * shift / count)
         turned = turn[:, None] * flat
         # One product with all waves is faster than Fourier transforms of so many short columns.
-        values = _waves(count, len(flat), part.indices(count)) @ np.concatenate(
+        values = _waves(count, len(flat), which.indices(count)) @ np.concatenate(
             [turned.real, turned.imag]
         )
         return np.asarray(values.reshape(-1, *self.coefficients.shape[1:]))
@@ -140,20 +140,20 @@ def differentiation_matrices(
 
 
 @lru_cache(maxsize=2)
-def _waves(count: int, orders: int, part: tuple[int, int, int]) -> FloatArray:
+def _waves(count: int, orders: int, which: tuple[int, int, int]) -> FloatArray:
     """Cosines, then minus sines, of the first orders at some of evenly spaced phases.
 
     Parameters
     ----------
     count, orders : int
-    part : tuple of int
+    which : tuple of int
         Start, stop and step of the m numbers of the phases.
 
     Returns
     -------
     ndarray, shape (m, 2 orders)
     """
-    steps = np.outer(np.arange(*part), np.arange(orders)) % count
+    steps = np.outer(np.arange(*which), np.arange(orders)) % count
     wave = np.exp(-2j * np.pi * np.arange(count) / count)[steps]
     waves = np.concatenate([wave.real, wave.imag], axis=1)
     waves.flags.writeable = False

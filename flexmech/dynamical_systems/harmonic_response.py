@@ -150,8 +150,8 @@ def harmonic_response(
     march = _march(forced, steps)
     answer = np.empty((len(wanted), len(input_rate)), dtype=complex)
     for first in range(0, len(input_rate), BATCH):
-        some = slice(first, first + BATCH)
-        answer[:, some] = march(input_rate[some])[wanted % steps]
+        columns = slice(first, first + BATCH)
+        answer[:, columns] = march(input_rate[columns])[wanted % steps]
     if not np.isfinite(answer).all():
         raise ComputationError(
             "vibrations grow beyond all numbers within a turn; take more damping, or a higher "
@@ -177,15 +177,16 @@ class _Pushed(PeriodicSystem):
     forced: ForcedPeriodicSystem
     step: float
 
-    def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:
+    def matrices(self, count: int, shift: float, which: slice = slice(None)) -> FloatArray:
         """Matrices at the times ``(k + shift) period / count``, or at a part of them."""
-        own = self.forced.system.matrices(count, shift, part)
-        size, chain = own.shape[1], np.arange(own.shape[1], own.shape[1] + POINTS)
-        found = np.zeros((len(own), size + POINTS, size + POINTS))
-        found[:, :size, :size] = own
-        found[:, :size, size] = self.forced.force.samples(count, shift, part)
-        found[:, chain[:-1], chain[1:]] = 1 / self.step
-        return found
+        system_matrices = self.forced.system.matrices(count, shift, which)
+        size = system_matrices.shape[1]
+        chain = np.arange(size, size + POINTS)
+        extended = np.zeros((len(system_matrices), size + POINTS, size + POINTS))
+        extended[:, :size, :size] = system_matrices
+        extended[:, :size, size] = self.forced.force.samples(count, shift, which)
+        extended[:, chain[:-1], chain[1:]] = 1 / self.step
+        return extended
 
 
 def _march(forced: ForcedPeriodicSystem, steps: int) -> Callable[[FloatArray], ComplexArray]:
@@ -209,15 +210,15 @@ def _march(forced: ForcedPeriodicSystem, steps: int) -> Callable[[FloatArray], C
         push = (pushed @ phase).reshape(steps, size, -1) * back
         with np.errstate(over="ignore", invalid="ignore"):
             state, turned = np.zeros((size, len(rate)), dtype=complex), np.eye(size)
-            for transition, own in zip(transitions, push, strict=True):
-                state = _times(transition, state) * back + own
+            for transition, input_push in zip(transitions, push, strict=True):
+                state = _times(transition, state) * back + input_push
                 turned = transition @ turned
             closed = np.eye(size) - back[:, None, None] ** steps * turned
             state = np.linalg.solve(closed, state.T[..., None])[..., 0].T
             read = np.empty((steps, len(rate)), dtype=complex)
-            for number, (transition, own) in enumerate(zip(transitions, push, strict=True)):
+            for number, (transition, input_push) in enumerate(zip(transitions, push, strict=True)):
                 read[number] = reading[number] @ state
-                state = _times(transition, state) * back + own
+                state = _times(transition, state) * back + input_push
         return np.asarray(np.fft.fft(read, axis=0) / steps)
 
     return harmonics
@@ -300,9 +301,9 @@ def _of_constant_matrix(
 def _harmonics(series: FourierSeries, number: IntArray) -> ComplexArray:
     """Coefficients of ``exp(2 pi i number phase)``, zero beyond the last; (*number, ...)."""
     place = np.minimum(np.abs(number), series.harmonics)
-    own = series.coefficients[place]
-    own = np.where(_beside(number >= 0, own), own, own.conj())
-    return np.where(_beside(np.abs(number) <= series.harmonics, own), own, 0.0)
+    coefficients = series.coefficients[place]
+    coefficients = np.where(_beside(number >= 0, coefficients), coefficients, coefficients.conj())
+    return np.where(_beside(np.abs(number) <= series.harmonics, coefficients), coefficients, 0.0)
 
 
 def _beside(chosen: NDArray[np.bool_], values: ComplexArray) -> NDArray[np.bool_]:

@@ -550,11 +550,11 @@ def forces_of_springs(
         for end, sign in ((spring.first, 1.0), (spring.second, -1.0)):
             link = GROUND_AFTER_LINKS if end.is_ground else topology.index(end.link)
             yield ForceOnLink(link, end.x, sign * pull, 0.0 * line.tension, end.y)
-    for own in joint_springs:
-        if own.torsional_stiffness or own.torsional_damping:
-            gap, rate = joint_gap(topology, motion, own, angles, moved)
-            torque = own.torque(gap[..., 2], rate[..., 2])
-            for sign, link, x in _sides(topology, own):
+    for joint_spring in joint_springs:
+        if joint_spring.torsional_stiffness or joint_spring.torsional_damping:
+            gap, rate = joint_gap(topology, motion, joint_spring, angles, moved)
+            torque = joint_spring.torque(gap[..., 2], rate[..., 2])
+            for sign, link, x in _sides(topology, joint_spring):
                 yield ForceOnLink(link, x, np.zeros((*torque.shape, 2)), sign * torque)
 
 

@@ -86,11 +86,11 @@ class MatrixWithRates:
 
     def rows(self, which: IntArray) -> Self:
         """Some rows, by their numbers."""
-        return type(self)(*(part[:, which] for part in self.parts))
+        return type(self)(*(matrix[:, which] for matrix in self.parts))
 
     def columns(self, which: IntArray) -> Self:
         """Some columns, by their numbers."""
-        return type(self)(*(part[:, :, which] for part in self.parts))
+        return type(self)(*(matrix[:, :, which] for matrix in self.parts))
 
     def __matmul__(self, other: MatrixWithRates) -> MatrixWithRates:
         return MatrixWithRates(
@@ -104,11 +104,11 @@ class MatrixWithRates:
 
     def __sub__(self, other: MatrixWithRates) -> MatrixWithRates:
         return MatrixWithRates(
-            *(own - its for own, its in zip(self.parts, other.parts, strict=True))
+            *(left - right for left, right in zip(self.parts, other.parts, strict=True))
         )
 
     def __neg__(self) -> MatrixWithRates:
-        return MatrixWithRates(*(-part for part in self.parts))
+        return MatrixWithRates(*(-matrix for matrix in self.parts))
 
     def solve(self, right: MatrixWithRates) -> MatrixWithRates:
         """``X`` of ``self @ X = right``, by implicit differentiation.
@@ -133,7 +133,7 @@ class MatrixWithRates:
     @classmethod
     def stacked(cls, parts: list[MatrixWithRates]) -> MatrixWithRates:
         """Several matrices stacked by rows."""
-        every = zip(*(part.parts for part in parts), strict=True)
+        every = zip(*(block.parts for block in parts), strict=True)
         return cls(*(np.concatenate(one, axis=1) for one in every))
 
     @property

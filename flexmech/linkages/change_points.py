@@ -236,8 +236,8 @@ def _touching(
     angle, apart = start, step
     for _ in range(_ITERATIONS):
         apart = max(apart / 4, _BESIDE)
-        found = clearances(angle + apart * np.array([-2.0, -1.0, 1.0, 2.0]))[number]
-        far_back, back, ahead, far_ahead = found.difference.tolist()
+        nearby = clearances(angle + apart * np.array([-2.0, -1.0, 1.0, 2.0]))[number]
+        far_back, back, ahead, far_ahead = nearby.difference.tolist()
         slope = (8 * (ahead - back) - (far_ahead - far_back)) / (12 * apart)
         curvature = (far_back + far_ahead - back - ahead) / (3 * apart**2)
         if not curvature > 0:
@@ -246,4 +246,4 @@ def _touching(
         if not abs(angle - start) <= 2 * step:
             return None
     least = (4 * (back + ahead) - far_back - far_ahead) / 6
-    return angle if abs(least) <= found.tolerance else None
+    return angle if abs(least) <= nearby.tolerance else None

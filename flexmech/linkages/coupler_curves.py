@@ -135,15 +135,15 @@ class CouplerPoint:
         InputError
             If it is anything else.
         """
-        parts = [part.strip() for part in text.split(",")]
+        parts = [stated.strip() for stated in text.split(",")]
         try:
             if len(parts) != 2:
                 raise InputError(f"got {text!r}, which has {len(parts)} parts")
             dimensions = (LENGTH, ANGLE)
             distance, angle = map(parse_quantity, parts, dimensions)
-            for value, part, dimension in zip((distance, angle), parts, dimensions, strict=True):
+            for value, stated, dimension in zip((distance, angle), parts, dimensions, strict=True):
                 if (sizes := of_dimension(dimension)) is not None:
-                    check_plausible(value, part, sizes)
+                    check_plausible(value, stated, sizes)
             return cls(distance, angle)
         except InputError as error:
             raise InputError(
@@ -459,8 +459,8 @@ class FocalCubic:
         """
         away = self._away()
         chart = self._chart(away)
-        found = (self._polished(away, chart, x) for x in _real_roots(chart))
-        return tuple(sorted(_half_turn(away + math.pi / 2 + math.atan(x)) for x in found))
+        places = (self._polished(away, chart, x) for x in _real_roots(chart))
+        return tuple(sorted(_half_turn(away + math.pi / 2 + math.atan(x)) for x in places))
 
     def _away(self) -> float:
         """Direction away from the roots."""
@@ -483,16 +483,16 @@ class FocalCubic:
         def residual(x: float) -> float:
             return self.value(-sin - x * cos, cos - x * sin)
 
-        here = residual(x)
+        value = residual(x)
         for _ in range(NEWTON_STEPS):
             slope = _slope(chart, x)
-            if here == 0 or slope == 0:
+            if value == 0 or slope == 0:
                 break
-            ahead = x - here / slope
-            there = residual(ahead)
-            if abs(there) >= abs(here):
+            ahead = x - value / slope
+            next_value = residual(ahead)
+            if abs(next_value) >= abs(value):
                 break
-            x, here = ahead, there
+            x, value = ahead, next_value
         return x
 
 
@@ -725,8 +725,8 @@ def double_points(
     """
     _check_coupler(linkage, point)
     circuit = circuit_of(linkage, crank_angle)
-    found = (node for node in finite_double_points(linkage, point) if node.lies_on(circuit))
-    return tuple(sorted(found, key=lambda node: node.attitudes))
+    nodes = (node for node in finite_double_points(linkage, point) if node.lies_on(circuit))
+    return tuple(sorted(nodes, key=lambda node: node.attitudes))
 
 
 def finite_double_points(linkage: FourBar, point: CouplerPoint) -> tuple[DoublePoint, ...]:

@@ -229,7 +229,7 @@ class OneCouplerLinkage:
             "slider": sliders,
             "weld": topology.welds,
         }
-        counts = {name: len(each) for name, each in parts.items()}
+        counts = {name: len(links) for name, links in parts.items()}
         counted = (f"{n} {name}{'s' * (n > 1)}" for name, n in counts.items() if n)
         refusal = InputError(
             f"{METHOD}, whose loop has one coupler; this linkage has {', '.join(counted)}: "
@@ -277,10 +277,10 @@ class OneCouplerLinkage:
             At the crank and at the follower or the line. Imaginary parts are those of a centre of
             mass off the line between the joints.
         """
-        own = masses[self.coupler]
-        about = complex(own.moment(1) - own.moment(0) * self.first, own.moment_across)
+        mass = masses[self.coupler]
+        about = complex(mass.moment(1) - mass.moment(0) * self.first, mass.moment_across)
         second = about / (self.second - self.first)
-        return own.moment(0) - second, second
+        return mass.moment(0) - second, second
 
     def balancing_moments(
         self, masses: Sequence[LinkMass], share: float = 1.0

@@ -548,9 +548,9 @@ def inverse_dynamics(
     InputError
         If the connections do not determine the forces, or a spring has no direction.
     """
-    needed = [needed_by_inertia(motion, gravity, n, own.moments) for n, own in enumerate(masses)]
-    force = np.stack([-own for own, _ in needed], axis=-1) * np.exp(1j * motion.angle)
-    moment = np.stack([-own for _, own in needed], axis=-1)
+    needed = [needed_by_inertia(motion, gravity, n, mass.moments) for n, mass in enumerate(masses)]
+    force = np.stack([-force for force, _ in needed], axis=-1) * np.exp(1j * motion.angle)
+    moment = np.stack([-moment for _, moment in needed], axis=-1)
     load = np.stack([force.real, force.imag, moment], axis=-1)
     angles = motion.angle if continuous_angles is None else continuous_angles
     applied = tuple(applied_forces(topology, motion, loads, springs, joint_springs, angles, time))

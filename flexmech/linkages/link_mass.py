@@ -168,8 +168,8 @@ class LinkMass:
         second = mass * (place**2 / 3 + self.offset**2) + self.rotary_inertia * place
         points = zip(self.point_positions, self.point_masses, strict=True)
         lumps = [(x, complex(x), lump, 0.0) for x, lump in points]
-        for own in self.bodies:
-            lumps.append((own.position, complex(*own.centre), own.mass, own.inertia))
+        for body in self.bodies:
+            lumps.append((body.position, complex(*body.centre), body.mass, body.inertia))
         for at, centre, lump, inertia in lumps:
             passed = at < reach
             mass = mass + passed * lump

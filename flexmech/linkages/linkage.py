@@ -136,7 +136,7 @@ def can_be_taken(move: Callable[[FloatArray], object], angles: FloatArray) -> ND
             return np.zeros(len(angles), dtype=bool)
         # Halves of halves: ranges of motion are few.
         halves = np.array_split(angles, 2)
-        return np.concatenate([can_be_taken(move, own) for own in halves])
+        return np.concatenate([can_be_taken(move, half) for half in halves])
     return np.ones(len(angles), dtype=bool)
 
 
@@ -233,13 +233,13 @@ def _in_ranges(
     # Begun where the linkage cannot be assembled, no range runs over the end.
     order = np.roll(np.arange(len(around)), -int(np.argmin(possible)))
     edges = np.flatnonzero(np.diff(possible[order].astype(int))) + 1
-    for part in np.split(order, edges):
-        if possible[part[0]]:
-            angles = np.unwrap(linkage.motion(around[part]).angle, axis=0)
-            if 0 in part:
+    for rows in np.split(order, edges):
+        if possible[rows[0]]:
+            angles = np.unwrap(linkage.motion(around[rows]).angle, axis=0)
+            if 0 in rows:
                 kept = linkage.motion(around[0]).angle
-                angles = angles + TURN * np.round((kept - angles[part == 0][0]) / TURN)
-            unwrapped[part] = angles
+                angles = angles + TURN * np.round((kept - angles[rows == 0][0]) / TURN)
+            unwrapped[rows] = angles
     # Between the last step of a range and its end.
     for shift in (1, -1):
         beside = np.roll(unwrapped, shift, axis=0)

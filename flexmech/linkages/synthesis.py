@@ -147,11 +147,11 @@ def synthesize_crank_rocker(
     square = ratio_coupler**2 + ratio_rocker**2
     # (square - root) / (square - 1), written without the difference of nearly equal numbers.
     crank = (square - 1) / (square + np.sqrt(2 * square - 1))
-    found = CrankRockerProportions(
+    proportions = CrankRockerProportions(
         delta, theta, crank, ratio_coupler * (1 - crank), ratio_rocker * (1 - crank)
     )
-    _refuse_change_points(found)
-    return found
+    _refuse_change_points(proportions)
+    return proportions
 
 
 def transmission_design(linkage: FourBar) -> TransmissionDesign:
@@ -288,15 +288,16 @@ def _refuse_rocker_angle(delta: FloatArray, theta: FloatArray, inside: NDArray[n
     )
 
 
-def _refuse_change_points(found: CrankRockerProportions) -> None:
+def _refuse_change_points(proportions: CrankRockerProportions) -> None:
     """Refuse proportions too near a change point by Grashof's criterion."""
-    ratios = np.stack([np.ones_like(found.crank), found.crank, found.coupler, found.rocker])
+    crank, coupler, rocker = proportions.crank, proportions.coupler, proportions.rocker
+    ratios = np.stack([np.ones_like(crank), crank, coupler, rocker])
     shortest, second, third, longest = np.sort(ratios, axis=0)
     # Twice: the criterion is asked again with the round-off of lengths in m.
     enough = 2 * SAME_PLACE * ratios.sum(axis=0)
     wrong = ~(second + third - shortest - longest > enough)
     if np.any(wrong):
-        delta, theta = found.deviation[wrong].flat[0], found.rocker_angle[wrong].flat[0]
+        delta, theta = proportions.deviation[wrong].flat[0], proportions.rocker_angle[wrong].flat[0]
         raise InputError(
             f"deviation of {_degrees(delta)} deg and rocker angle of {_degrees(theta)} deg are "
             "at a bound within round-off, where the linkage meets a change point; rocker angles "

@@ -232,7 +232,10 @@ class Topology:
         """
         sides = {clamp.joint: (clamp.link_end.link, "shaft") for clamp in self.clamps}
         sides |= {tie.joint: (tie.follower.link, tie.leader.link) for tie in self.ties}
-        sides |= {own.joint: (own.link_end.link, own.guide or "ground") for own in self.sliders}
+        sides |= {
+            slider.joint: (slider.link_end.link, slider.guide or "ground")
+            for slider in self.sliders
+        }
         sides |= {pivot.joint: (pivot.link_end.link, "ground") for pivot in self.pivots}
         return tuple(sides[name] for name in self.joint_names)
 

@@ -751,6 +751,6 @@ def stressed_along_turn(
         return engine.stressed_links(motion, prestress, near)
     first = slice(0, 1)
     start = None if near is None else [q[first] for q in near]
-    found = engine.stressed_links(motion.at(first), prestress, start)
+    stressed = engine.stressed_links(motion.at(first), prestress, start)
     every = np.zeros(len(motion.crank_angle), dtype=np.intp)
-    return replace(found.at(every), motion=None)
+    return replace(stressed.at(every), motion=None)

@@ -124,17 +124,17 @@ class FreeShaft:
         sections whatever its elements. It is on the mean rotation weighted by mass, to which
         all its vibration is orthogonal.
         """
-        turn, own = np.array([self.rotation(links[self.link])]), links[self.link]
-        mass = with_entries(own.mass, turn, turn, np.array([self.inertia]))
-        if own.uncounted_rotary_inertia:
-            length = own.readings.nodes[-1]
+        turn, clamped_link = np.array([self.rotation(links[self.link])]), links[self.link]
+        mass = with_entries(clamped_link.mass, turn, turn, np.array([self.inertia]))
+        if clamped_link.uncounted_rotary_inertia:
+            length = clamped_link.readings.nodes[-1]
             start = self.clamp.hub - (length if self.clamp.link_end.end == "end" else 0.0)
-            rigid = own.fields.tangential + start * own.fields.across
-            rotary = float(own.uncounted_rotary_inertia) * length
+            rigid = clamped_link.fields.tangential + start * clamped_link.fields.across
+            rotary = float(clamped_link.uncounted_rotary_inertia) * length
             mean = (momentum := mass @ rigid) / (rigid @ momentum)
             mass = mass + rotary * np.outer(mean, mean)
-        clamped = replace(own, mass=mass, uncounted_rotary_inertia=0.0)
-        return tuple(clamped if link is own else link for link in links)
+        clamped = replace(clamped_link, mass=mass, uncounted_rotary_inertia=0.0)
+        return tuple(clamped if link is clamped_link else link for link in links)
 
 
 class EngineParameters(ABC):

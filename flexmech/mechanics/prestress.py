@@ -308,7 +308,7 @@ def straight_forces(
 def with_rigid_links(
     frames: LinkFrames,
     tangent: Mapping[int, FloatArray],
-    found: RigidGeometricStiffness | None,
+    geometric: RigidGeometricStiffness | None,
 ) -> StressedLinks:
     """Tangents of all links from those of flexible ones.
 
@@ -318,7 +318,7 @@ def with_rigid_links(
         Frames of the unreduced links.
     tangent : mapping of int to ndarray, shape (n, n) or (B, n, n)
         Tangent of each flexible link.
-    found : RigidGeometricStiffness, optional
+    geometric : RigidGeometricStiffness, optional
         Stiffness of rigid links, hubs and sliders.
 
     Returns
@@ -326,10 +326,10 @@ def with_rigid_links(
     StressedLinks
         Without a displacement.
     """
-    if found is None:
+    if geometric is None:
         return StressedLinks([tangent[number] for number in sorted(tangent)])
     tangents = [
-        np.multiply.outer(found.rotation_stiffness[:, number], TURN)
+        np.multiply.outer(geometric.rotation_stiffness[:, number], TURN)
         if link.rigid
         else tangent[number]
         for number, link in enumerate(frames.links)
@@ -338,6 +338,6 @@ def with_rigid_links(
         number = frames.topology.index(clamp.link_end.link)
         if clamp.hub and not (link := frames.links[number]).rigid:
             turn = link.end_rotation_of(clamp.link_end.end)[:1]
-            own = found.rotation_stiffness[:, number, None]
-            tangents[number] = with_entries(tangents[number], turn, turn, own)
-    return StressedLinks(tangents, guide_stiffness=found.guide_stiffness)
+            stiffness = geometric.rotation_stiffness[:, number, None]
+            tangents[number] = with_entries(tangents[number], turn, turn, stiffness)
+    return StressedLinks(tangents, guide_stiffness=geometric.guide_stiffness)

@@ -305,11 +305,11 @@ class DisplacedLinks:
         """
         topology = self.mechanism.linkage.topology
         batch = len(self.motion.crank_angle)
-        found = {name: np.zeros((batch, 2)) for name in topology.joint_names}
+        forces = {name: np.zeros((batch, 2)) for name in topology.joint_names}
         for number, one in enumerate(connections(topology)):
-            own = self._by_connections[:, topology.index(one.place.link), :2, number]
-            found[one.joint] = found[one.joint] + own
-        return found
+            at_connection = self._by_connections[:, topology.index(one.place.link), :2, number]
+            forces[one.joint] = forces[one.joint] + at_connection
+        return forces
 
     @cached_property
     def _joint_forces(self) -> list[list[ForcesAlong]]:

@@ -75,13 +75,13 @@ class LinearSystem:
     def is_conservative(self) -> bool:
         """Whether the matrices are symmetric with no damping: frozen inertial form."""
         # Undamped, all positions and entries are one zero: it is looked at once.
-        own = tuple(slice(None) if stride else slice(1) for stride in self.damping.strides)
-        return not (self.terms.any or self.circulates or self.damping[own].any())
+        first = tuple(slice(None) if stride else slice(1) for stride in self.damping.strides)
+        return not (self.terms.any or self.circulates or self.damping[first].any())
 
     def link_coordinates(self, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link; (B, n, m) -> list of (B, n_link, m)."""
-        own = self._split(vectors)[0]
-        full = own if self.expansion is None else self.expansion @ own
+        of_links = self._split(vectors)[0]
+        full = of_links if self.expansion is None else self.expansion @ of_links
         return self.frames.link_coordinates(self.motion, full)
 
     def _split(self, vectors: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -126,8 +126,8 @@ class LinearSystem:
         """
         if self.bases is None:
             return vectors
-        own = frames.independent(self.motion, self.unreduced_links(vectors))
-        return np.concatenate([own, self._split(vectors)[1]], axis=1)
+        of_links = frames.independent(self.motion, self.unreduced_links(vectors))
+        return np.concatenate([of_links, self._split(vectors)[1]], axis=1)
 
     def unreduced_links(self, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Shapes (B, n, m) in the coordinates of each unreduced link, (B, n_link, m)."""
@@ -241,9 +241,9 @@ def condense(
     def condensed_part(matrix: FloatArray) -> FloatArray:
         columns = matrix[:, :, count:] @ dependence
         columns[:, :, :count] += matrix[:, :, :count]
-        part = dual @ columns[:, count:]
-        part[:, :count] += columns[:, :count]
-        return np.asarray(part)
+        block = dual @ columns[:, count:]
+        block[:, :count] += columns[:, :count]
+        return np.asarray(block)
 
     expansion = np.zeros((len(stiffness), len(condensed), size))
     expansion[:, kept, np.arange(count)] = 1.0

@@ -97,25 +97,27 @@ def checked_parts(topology: Topology, name: str, parts: Iterable[Part]) -> tuple
     kind, made = PARTS[name]
     given = checked_tuple(parts, kind, name, f"give {made} in a tuple")
     kinds = zip(topology.joint_names, topology.joint_kinds, strict=True)
-    turning = sorted(joint for joint, own in kinds if own in ("pin", "pivot"))
-    for part in given:
-        if isinstance(part, PointMass):
-            _check_on_link(topology, name, part.link, part.position)
-            check_number(part.mass, f"{name}: mass on the {part.link}", "kg", NOT_NEGATIVE)
-        elif isinstance(part, AttachedBody):
-            _check_on_link(topology, f"body on the {part.link}", part.link, part.position)
-        elif isinstance(part, Load):
-            _check_on_link(topology, f"load {part.name}", part.point.link, part.point.x)
-        elif isinstance(part, Spring):
-            for end in (part.first, part.second):
-                if not end.is_ground:
-                    _check_on_link(topology, f"spring {part.name}", end.link, end.x)
-        elif isinstance(part, JointSpring) and part.joint not in turning:
-            raise InputError(
-                f"spring in joint {part.joint}: it is no pin or pivot; these are {turning}"
+    turning = sorted(joint for joint, kind_of_joint in kinds if kind_of_joint in ("pin", "pivot"))
+    for attached in given:
+        if isinstance(attached, PointMass):
+            _check_on_link(topology, name, attached.link, attached.position)
+            check_number(attached.mass, f"{name}: mass on the {attached.link}", "kg", NOT_NEGATIVE)
+        elif isinstance(attached, AttachedBody):
+            _check_on_link(
+                topology, f"body on the {attached.link}", attached.link, attached.position
             )
-        elif isinstance(part, JointPin):
-            _check_pin(topology, part)
+        elif isinstance(attached, Load):
+            _check_on_link(topology, f"load {attached.name}", attached.point.link, attached.point.x)
+        elif isinstance(attached, Spring):
+            for end in (attached.first, attached.second):
+                if not end.is_ground:
+                    _check_on_link(topology, f"spring {attached.name}", end.link, end.x)
+        elif isinstance(attached, JointSpring) and attached.joint not in turning:
+            raise InputError(
+                f"spring in joint {attached.joint}: it is no pin or pivot; these are {turning}"
+            )
+        elif isinstance(attached, JointPin):
+            _check_pin(topology, attached)
     return given
 
 
@@ -154,7 +156,7 @@ def sprung_linkage(linkage: Linkage, springs: Iterable[JointSpring]) -> Linkage:
         If the linkage has springs in a joint where none has a radial stiffness.
     """
     sprung = linkage.topology.sprung_joints
-    radial = {own.joint for own in springs if own.radial_stiffness is not None}
+    radial = {spring.joint for spring in springs if spring.radial_stiffness is not None}
     if loose := sorted(sprung - radial):
         raise InputError(
             f"joint_springs: the linkage has springs alone hold {', '.join(loose)}, and there is "
@@ -207,9 +209,9 @@ def places_apart(
     list of float
         In m from the start.
     """
-    found: list[float] = []
+    places: list[float] = []
     for x in sorted({point.x for point in points if point.link == link}):
-        others = (0.0, length, *taken, *found)
+        others = (0.0, length, *taken, *places)
         if min(abs(x - other) for other in others) >= LEAST_DISTANCE * length:
-            found.append(x)
-    return found
+            places.append(x)
+    return places

@@ -224,7 +224,7 @@ def _place(point: AttachmentPoint) -> str:
 
 def _body(body: AttachedBody) -> str:
     size = f"{1e3 * body.mass:.6g} g, {body.inertia:.6g} kg m^2"
-    along, across = (1e3 * part for part in body.offset)
+    along, across = (1e3 * distance for distance in body.offset)
     beside = f", its centre ({along:.6g}, {across:.6g}) mm from there" if any(body.offset) else ""
     return f"{body.link} {size} at {1e3 * body.position:.6g} mm{beside}"
 
@@ -232,7 +232,7 @@ def _body(body: AttachedBody) -> str:
 def _size(load: Load) -> str:
     """Greatest force and torque of a load, and over what it changes."""
     force = max(math.hypot(*pair) for pair in load.force)
-    torque = max(abs(own) for own in load.torque)
+    torque = max(abs(value) for value in load.torque)
     parts = ([f"{force:.6g} N"] if force else []) + ([f"{torque:.6g} N m"] if torque else [])
     size = " and ".join(parts) or "0 N"
     if load.over == "constant":
@@ -248,14 +248,14 @@ def _spring(spring: Spring) -> str:
     )
 
 
-def _in_joint(own: JointSpring) -> Iterator[str]:
-    if own.torsional_stiffness:
-        free = f"free at {math.degrees(own.free_angle):.6g} deg"
-        yield f"{own.torsional_stiffness:.6g} N m/rad {free}"
-    if own.torsional_damping:
-        yield f"{own.torsional_damping:.6g} N m s/rad"
-    if own.radial_stiffness is not None:
-        yield f"{own.radial_stiffness:.6g} N/m radially"
+def _in_joint(spring: JointSpring) -> Iterator[str]:
+    if spring.torsional_stiffness:
+        free = f"free at {math.degrees(spring.free_angle):.6g} deg"
+        yield f"{spring.torsional_stiffness:.6g} N m/rad {free}"
+    if spring.torsional_damping:
+        yield f"{spring.torsional_damping:.6g} N m s/rad"
+    if spring.radial_stiffness is not None:
+        yield f"{spring.radial_stiffness:.6g} N/m radially"
 
 
 def notebook_html(mechanism: _Shown) -> str:

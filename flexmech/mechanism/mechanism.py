@@ -199,7 +199,9 @@ class Mechanism:
             ),
             "joint_pins": sorted(self.joint_pins, key=lambda pin: joints.index(pin.joint)),
             "gravity": self.gravity,
-            "wetting": {link: own for link, own in self.wetting.items() if own != Wetting()},
+            "wetting": {
+                link: wetting for link, wetting in self.wetting.items() if wetting != Wetting()
+            },
         }
         for name, value in kept.items():
             if not isinstance(value, Mapping):
@@ -406,9 +408,10 @@ class Mechanism:
             tables[name] = keys.get(name, {}) | sections[0]
             for key, parts in (("point_masses", self.link_masses), ("bodies", self.bodies)):
                 entries = [
-                    part.to_table() | ({"beam": beams.index(part.link) + 1} if beams[1:] else {})
-                    for part in parts
-                    if part.link in beams
+                    attached.to_table()
+                    | ({"beam": beams.index(attached.link) + 1} if beams[1:] else {})
+                    for attached in parts
+                    if attached.link in beams
                 ]
                 tables[name] |= {key: entries} if entries else {}
             further = zip(beams[1:], sections[1:], strict=True)

@@ -70,14 +70,16 @@ def motor_run(
     >>> round(run.settled.mean_speed, 3), run.stall
     (196.231, None)
     """
-    own = drive if drive is not None else mechanism.drive
-    check_instance(own, MotorDrive, "drive", "give a flexmech.MotorDrive, or a model with a motor")
-    assert isinstance(own, MotorDrive)
+    motor_drive = drive if drive is not None else mechanism.drive
+    check_instance(
+        motor_drive, MotorDrive, "drive", "give a flexmech.MotorDrive, or a model with a motor"
+    )
+    assert isinstance(motor_drive, MotorDrive)
     if revolutions is not None:
         check_number(revolutions, "revolutions", "", POSITIVE)
-    train = DriveTrain(own.motor, own.control)
+    train = DriveTrain(motor_drive.motor, motor_drive.control)
     equation = ShaftEquation(RigidLinkageLoad(mechanism), mechanism.shaft_inertia, train)
-    return solved_run(equation, own, revolutions)
+    return solved_run(equation, motor_drive, revolutions)
 
 
 def settled_run(mechanism: Mechanism, drive: MotorDrive, revolutions: float = 1.0) -> SettledRun:
@@ -182,8 +184,8 @@ class RigidLinkageLoad(ShaftLoad):
         inertia, still, linear, square, wound = (values[..., column] for column in range(_OWN))
         torque = still + omega * (linear + omega * square) + turns * wound
         for load_number, load in enumerate(self._tables):
-            own = slice(_OWN + 3 * load_number, _OWN + 3 * load_number + 3)
-            torque = torque + np.sum(values[..., own] * load.values(at, time), axis=-1)
+            columns = slice(_OWN + 3 * load_number, _OWN + 3 * load_number + 3)
+            torque = torque + np.sum(values[..., columns] * load.values(at, time), axis=-1)
         return inertia, np.asarray(torque)
 
     def _functions(self, angle: FloatArray) -> FloatArray:
@@ -237,8 +239,8 @@ class RigidLinkageLoad(ShaftLoad):
 
 def _units(loads: tuple[Load, ...]) -> list[Load]:
     """Constant loads of one unit: of the force along x and y, and of the torque, of each load."""
-    found = []
+    units = []
     for load in loads:
         for x, y, torque in np.eye(3).tolist():
-            found.append(replace(load, force=((x, y),), torque=(torque,), over="constant", at=()))
-    return found
+            units.append(replace(load, force=((x, y),), torque=(torque,), over="constant", at=()))
+    return units

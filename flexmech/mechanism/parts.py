@@ -377,7 +377,7 @@ class SprungFrame:
 
     def _refuse_loose(self) -> None:
         """Refuse springs that let the frame move."""
-        extent = max((np.hypot(*self._arm(own)) for own in self.springs), default=0.0) or 1.0
+        extent = max((np.hypot(*self._arm(spring)) for spring in self.springs), default=0.0) or 1.0
         scale = np.array([1.0, 1.0, 1.0 / extent])
         values, ways = np.linalg.eigh(scale[:, None] * self.stiffness * scale)
         if values[0] > _LOOSE * values[-1]:

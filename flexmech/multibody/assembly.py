@@ -118,8 +118,8 @@ class FrameBody:
 
     def motion(self, position: FloatArray, velocity: FloatArray) -> FrameMotion:
         """Its motion from coordinates (m, total_size) of the system and their rates."""
-        own = slice(self.first, self.first + 3)
-        return FrameMotion(position[:, own], velocity[:, own])
+        columns = slice(self.first, self.first + 3)
+        return FrameMotion(position[:, columns], velocity[:, columns])
 
     def added(
         self, block: StepBlock, moved: FrameMotion, gravity: tuple[float, float]
@@ -135,7 +135,7 @@ class FrameBody:
         """
         pair = moved.displacement, moved.rate
         ends = [self.frame.point_motion(spring.point, *pair) for spring in self.frame.springs]
-        places, rates = (np.array(part) for part in zip(*ends, strict=True))
+        places, rates = (np.array(values) for values in zip(*ends, strict=True))
         stiffness, damping = (
             np.array([getattr(spring, name) for spring in self.frame.springs])[:, None]
             for name in ("stiffness", "damping")

@@ -248,13 +248,15 @@ class StaticConnectors(ConnectorItems):
         for joint in self.joints:
             self._set_joint(joint, motion.at(one), self._angles[one], pose)
 
-    def scale(self, part: float) -> None:
+    def scale(self, fraction: float) -> None:
         """Apply a part of the loads."""
         for load, number, is_torque in self.loads:
             x, y, torque = self._values[load.name]
             if load.axes == "ground":
                 x, y = turned(np.array([x, y]), self._turn)
-            value = [0.0, 0.0, part * torque] if is_torque else [part * x, part * y, 0.0]
+            value = (
+                [0.0, 0.0, fraction * torque] if is_torque else [fraction * x, fraction * y, 0.0]
+            )
             self.assembly.mbs.SetLoadParameter(number, "loadVector", value)
 
     def converge(self) -> bool:

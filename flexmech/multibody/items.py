@@ -342,7 +342,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, ItemNumber):
         return int(value)
     if isinstance(value, list | tuple):
-        return [_plain(part) for part in value]
+        return [_plain(entry) for entry in value]
     return value.copy() if isinstance(value, np.ndarray) else value
 
 
@@ -419,7 +419,7 @@ def applied(settings: dict[str, Setting]) -> Any:
     for path, value in settings.items():
         *parts, name = path.split(".")
         owner = made
-        for part in parts:
-            owner = getattr(owner, part)
+        for attribute in parts:
+            owner = getattr(owner, attribute)
         setattr(owner, name, value.chosen() if isinstance(value, Choice) else value)
     return made

@@ -416,11 +416,11 @@ def _solve_in_steps(
     nodes = assembly.nodes.to_nodes(pose)
     for steps in LOAD_STEPS:
         start = nodes
-        for part in np.arange(1, steps + 1) / steps:
-            model.loads.set(part * forces, part * couples)
+        for fraction in np.arange(1, steps + 1) / steps:
+            model.loads.set(fraction * forces, fraction * couples)
             if model.connectors is not None:
-                model.connectors.scale(float(part))
-            model.swell(float(part))
+                model.connectors.scale(float(fraction))
+            model.swell(float(fraction))
             if not solve_static(assembly, settings, start):
                 break
             start = np.array(assembly.mbs.systemData.GetODE2Coordinates())

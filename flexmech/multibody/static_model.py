@@ -249,13 +249,13 @@ class StaticModel:
         if self.connectors is not None:
             self.connectors.move_to(motion, number, pose)
 
-    def swell(self, part: float) -> None:
+    def swell(self, fraction: float) -> None:
         """Give all elements a part of the free strains of their sections; 1 for all of it."""
         for _, link in self.assembly.beams:
             strains = self.assembly.kind.free_strains(link.section)
             for element in link.elements if link.section.is_free_strained else ():
                 for name, strain in strains.items():
-                    self.assembly.mbs.SetObjectParameter(element, name, part * strain)
+                    self.assembly.mbs.SetObjectParameter(element, name, fraction * strain)
 
     def _add_clamp(self, clamp: Clamp, is_first: bool) -> None:
         """Fix the place of a clamped end, and its angle where that is a coordinate."""

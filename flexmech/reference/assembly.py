@@ -253,8 +253,8 @@ class LinkageAssembly:
     def _turned(self, views: Mapping[int, FloatArray], ties: Ties) -> Iterable[FloatArray]:
         """Tangents (c, c, B) of elements at dependent ends by their columns."""
         for (link, element), rows in self._dependent.items():
-            own = views[link][element : element + 1]
-            yield rows.turned(np.moveaxis(self.links[link].of_nodes(own)[0], -1, 0), ties)
+            forces = views[link][element : element + 1]
+            yield rows.turned(np.moveaxis(self.links[link].of_nodes(forces)[0], -1, 0), ties)
 
     def _rows(self, element: int | IntArray) -> IntArray:
         """Coordinates of elements in their link, (..., 2 p)."""
@@ -270,7 +270,9 @@ class LinkageAssembly:
     def _shapes(self) -> dict[int, tuple[int, int, int]]:
         """Shape ``(e, r, r)`` of the entries of each link by relative coordinates."""
         size = 2 * (self._per_node - 1)
-        return {n: (len(own.elements.length), size, size) for n, own in self.links.items()}
+        return {
+            n: (len(elements.elements.length), size, size) for n, elements in self.links.items()
+        }
 
     @cached_property
     def _first_of_blocks(self) -> IntArray:
@@ -284,11 +286,11 @@ class LinkageAssembly:
         The map leads to the lower band, row by row: ``(size (width + 1), R)``.
         """
         parts, first = [], 0
-        for link, own in self.links.items():
+        for link, elements in self.links.items():
             count, relative, _ = self._shapes[link]
             inner = [n for n in range(count) if (link, n) not in self._dependent]
             number = np.array(inner, dtype=np.intp)
-            places, signs = own.relative_places, own.node_signs
+            places, signs = elements.relative_places, elements.node_signs
             within = (places[:, None] * relative + places).ravel()
             source = first + relative**2 * number[:, None] + within
             target = self.frames.targets[link][self._rows(number)]
@@ -310,14 +312,14 @@ class LinkageAssembly:
         return np.asarray(order, dtype=np.intp), scatter
 
 
-def _pairs(own: IntArray, source: IntArray, sign: FloatArray) -> tuple[Any, ...]:
+def _pairs(target: IntArray, source: IntArray, sign: FloatArray) -> tuple[Any, ...]:
     """Entries of square matrices by coordinates (..., n) of z; -1 where fixed.
 
     ``source`` is of shape (..., n^2), ``sign`` of (n^2,). The result are rows and columns in z,
     sources and signs of all.
     """
-    count = own.shape[-1]
-    rows, columns = np.repeat(own, count, axis=-1), np.tile(own, count)
+    count = target.shape[-1]
+    rows, columns = np.repeat(target, count, axis=-1), np.tile(target, count)
     free = (rows >= 0) & (columns >= 0)
     return tuple(x[free] for x in (rows, columns, source, np.broadcast_to(sign, free.shape)))
 
@@ -453,6 +455,6 @@ def solve_band(band: FloatArray, right: FloatArray) -> tuple[FloatArray, NDArray
         full[2 * width :] = lower.T
         for k in range(1, width + 1):
             full[2 * width - k, k:] = lower[: size - k, k]
-        *_, found, singular = dgbsv(width, width, full, solution[number])
-        solution[number] = np.nan if singular else found
+        *_, solved, singular = dgbsv(width, width, full, solution[number])
+        solution[number] = np.nan if singular else solved
     return solution.T, positive

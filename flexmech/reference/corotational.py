@@ -210,8 +210,8 @@ class CorotationalElements:
         """
         # With the first node fixed the nodal coordinates are the relative ones.
         per_node = self.elements.shapes.per_node
-        own = np.concatenate([[per_node, per_node + 1], self._own])
-        return np.ascontiguousarray(np.moveaxis(matrix, 0, -1)[:, own[:, None], own])
+        columns = np.concatenate([[per_node, per_node + 1], self._own])
+        return np.ascontiguousarray(np.moveaxis(matrix, 0, -1)[:, columns[:, None], columns])
 
     def of_nodes(self, matrix: FloatArray) -> FloatArray:
         """Element matrices in nodal coordinates: (e, r, r, B) -> (e, 2 p, 2 p, B)."""
@@ -251,10 +251,10 @@ class CorotationalElements:
         moved, numbers = self._arms.moved(relative), self._numbers
         pure = self._pure(moved, numbers)
         bending = by_elements(numbers.bending, pure.turns - swelling * self._arc)
-        own = self._stress(pure, bending, pure.strain, swelling, numbers)
-        force = pure.by_relative_coordinates(*own)
+        stress = self._stress(pure, bending, pure.strain, swelling, numbers)
+        force = pure.by_relative_coordinates(*stress)
         tangent = np.empty((*relative.shape[:2], *relative.shape[1:])) if out is None else out
-        for_tangent = own
+        for_tangent = stress
         if before is not None:
             for_tangent = self._stress(pure, bending, before.at(moved), swelling, numbers)
         self._fill(tangent, pure, numbers, for_tangent)
@@ -315,9 +315,9 @@ class CorotationalElements:
     @cached_property
     def relative_places(self) -> IntArray:
         """Relative coordinate of each nodal coordinate, (2 p,)."""
-        own = self.elements.shapes.per_node - 2
+        inner = self.elements.shapes.per_node - 2
         ends = np.arange(2)
-        return np.concatenate([ends, 2 + np.arange(own), ends, 2 + own + np.arange(own)])
+        return np.concatenate([ends, 2 + np.arange(inner), ends, 2 + inner + np.arange(inner)])
 
     @cached_property
     def node_signs(self) -> FloatArray:
@@ -355,8 +355,8 @@ class CorotationalElements:
     def _numbers(self) -> ElementNumbers:
         elements = self.elements
         axial = float(elements.neutral_stiffness[0, 0, 0] * elements.length[0])
-        own = (self._own_part(x) for x in (elements.neutral_stiffness, elements.arch))
-        return ElementNumbers(elements.length[:, None], axial, *own)
+        inner = (self._own_part(x) for x in (elements.neutral_stiffness, elements.arch))
+        return ElementNumbers(elements.length[:, None], axial, *inner)
 
     def _pure(self, relative: FloatArray, numbers: ElementNumbers) -> _PureDeformation:
         length = numbers.length
@@ -403,13 +403,13 @@ class CorotationalElements:
             None leaves the part that comes from it out.
         """
         length, cosine, sine = numbers.length, pure.cosine, pure.sine
-        own = matrix[:, 2:, 2:]
+        inner = matrix[:, 2:, 2:]
         lift = numbers.axial_stiffness * pure.lift
-        np.multiply((lift * length[:, None])[:, :, None], pure.lift[:, None], out=own)
-        own += numbers.bending[..., None]
+        np.multiply((lift * length[:, None])[:, :, None], pure.lift[:, None], out=inner)
+        inner += numbers.bending[..., None]
         if stress is not None:
-            own += (stress.tension * length)[:, None, None] * numbers.arch[..., None]
-        by_turn = own[:, self._angles].sum(axis=1)
+            inner += (stress.tension * length)[:, None, None] * numbers.arch[..., None]
+        by_turn = inner[:, self._angles].sum(axis=1)
         turning = by_turn[:, self._angles].sum(axis=1)
         both = -lift[:, self._angles].sum(axis=1)
         if stress is not None:

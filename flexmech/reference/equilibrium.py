@@ -86,11 +86,11 @@ class Problem:
     ties: Ties | None
     swelling: float = 1.0
 
-    def loaded(self, part: float) -> Problem:
+    def loaded(self, fraction: float) -> Problem:
         """The problem with a part of the loads and of the swelling."""
-        loads, extra = ([part * x for x in arrays] for arrays in (self.loads, self.extra))
-        dead, greatest = self.dead.scaled(part), part * self.greatest
-        return Problem(self.motion, loads, greatest, extra, dead, self.ties, part)
+        loads, extra = ([fraction * x for x in arrays] for arrays in (self.loads, self.extra))
+        dead, greatest = self.dead.scaled(fraction), fraction * self.greatest
+        return Problem(self.motion, loads, greatest, extra, dead, self.ties, fraction)
 
     def at(self, which: IntArray) -> Problem:
         """Quantities of some positions."""
@@ -155,7 +155,7 @@ class ForceBalance:
         self, frames: LinkFrames, chains: Mapping[int, Chain], connectors: Connectors
     ) -> None:
         self.frames = frames
-        self.links = {n: CorotationalElements(own.elements) for n, own in chains.items()}
+        self.links = {n: CorotationalElements(chain.elements) for n, chain in chains.items()}
         self._connectors, self._springs = connectors, RadialSprings(frames, connectors)
         # Energies of whole links, which have off-axis plies between joints. A rigid rotation of the
         # link has no curvature, to first order in the rotations of elements against it.
@@ -205,10 +205,10 @@ class ForceBalance:
             if link not in self.links:
                 by_rotation[link] = stiffness[0]
                 continue
-            own, tangent = self.links[link], entries[1][link]
-            per_node = own.elements.shapes.per_node
+            elements, tangent = self.links[link], entries[1][link]
+            per_node = elements.elements.shapes.per_node
             element = np.minimum(rows // per_node, len(tangent) - 1)
-            place = own.relative_places[rows - per_node * element]
+            place = elements.relative_places[rows - per_node * element]
             tangent[element, place, place] += stiffness
         self._add_coupling(displacement, inner, problem.swelling)
         for push in self._connectors.radial_forces(motion, [q.T for q in displacement]):
@@ -219,8 +219,8 @@ class ForceBalance:
         unbalanced = [load - force for load, force in zip(problem.loads, inner, strict=True)]
         rigid = None
         if ties.displaced is not None:
-            found = ties.displaced.geometric_stiffness([f.T for f in unbalanced], by_rotation)
-            rigid = found.projected(self.frames.rigid, ties.displaced.coordinates)
+            geometric = ties.displaced.geometric_stiffness([f.T for f in unbalanced], by_rotation)
+            rigid = geometric.projected(self.frames.rigid, ties.displaced.coordinates)
         coupled = (
             rows.turned(self._couplings[link].stiffness, ties)
             for link, rows in self._coupled.items()
@@ -246,9 +246,9 @@ class ForceBalance:
         self, displacement: Sequence[FloatArray], forces: Sequence[FloatArray], swelling: float
     ) -> None:
         """Add internal forces (n_link, B) of energies of whole links."""
-        for link, own in self._couplings.items():
-            bent = own.rows @ displacement[link] - swelling * own.unloaded[:, None]
-            forces[link][:] += own.rows.T @ (own.elastic @ bent)
+        for link, coupling in self._couplings.items():
+            bent = coupling.rows @ displacement[link] - swelling * coupling.unloaded[:, None]
+            forces[link][:] += coupling.rows.T @ (coupling.elastic @ bent)
 
     def response(
         self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]
@@ -360,10 +360,10 @@ class State:
         error, stable, converged = np.zeros((3, batch))
         return cls(np.zeros((size, batch)), error, stable > 0, converged > 0)
 
-    def put(self, which: IntArray, part: State) -> None:
+    def put(self, which: IntArray, state: State) -> None:
         """Replace that of some positions."""
-        for own, new in zip(vars(self).values(), vars(part).values(), strict=True):
-            own[..., which] = new
+        for values, new in zip(vars(self).values(), vars(state).values(), strict=True):
+            values[..., which] = new
 
 
 class Equilibrium:
@@ -379,7 +379,7 @@ class Equilibrium:
     def __init__(self, balance: ForceBalance, *, stable_alone: bool) -> None:
         self._balance, self._stable_alone = balance, stable_alone
         self._assembly, self._frames = balance.assembly, balance.frames
-        elements = {n: own.elements for n, own in balance.links.items()}
+        elements = {n: chain.elements for n, chain in balance.links.items()}
         self._force_scale = min(
             e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in elements.values()
         )
@@ -452,8 +452,8 @@ class Equilibrium:
         """Newton's method in load steps; positions that fail are left at their last step."""
         state = State.unloaded(self._frames.size, len(problem.greatest))
         which = np.arange(len(problem.greatest))
-        for part in np.arange(1, steps + 1) / steps:
-            loaded = problem.at(which).loaded(float(part))
+        for fraction in np.arange(1, steps + 1) / steps:
+            loaded = problem.at(which).loaded(float(fraction))
             most = FIRST_ITERATIONS if steps == 1 else MAX_ITERATIONS
             moved = self._newton(in_positions(state.z, which), loaded, most)
             state.put(which, moved)

@@ -221,9 +221,9 @@ class BeamSection:
         if self.layers is None:
             return rectangular_zigzag(self.in_plane_thickness, ratio)
         # The section may be stated to be stiffer than its layers make it.
-        own = self.layers.bending_stiffness / self.layers.shear_stiffness
+        layer_ratio = self.layers.bending_stiffness / self.layers.shear_stiffness
         zigzag = self.layers.smeared.zigzag
-        return replace(zigzag, fall_off=zigzag.fall_off * np.sqrt(ratio / own))
+        return replace(zigzag, fall_off=zigzag.fall_off * np.sqrt(ratio / layer_ratio))
 
     @property
     def shears(self) -> bool:
@@ -403,7 +403,9 @@ def with_layers(section: BeamSection, layers: Layers) -> BeamSection:
     """
     changed: dict[str, float] = {}
     for name in (*_STIFFNESSES, *_INERTIAS, _NEUTRAL_AXIS):
-        stated, before, after = (getattr(each, name) for each in (section, section.layers, layers))
+        stated, before, after = (
+            getattr(source, name) for source in (section, section.layers, layers)
+        )
         # To the last bit: it tells whose stiffness is that of its layers.
         if stated == before:
             changed[name] = after

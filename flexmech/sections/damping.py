@@ -137,5 +137,5 @@ class SpecificDamping:
 
 def _stated(damping: DampingTimes | SpecificDamping) -> dict[str, float]:
     """Values by deformation, without those that are left out."""
-    own = {name: getattr(damping, name) for name in ("axial", "bending", "shear", "warping")}
-    return {name: value for name, value in own.items() if value is not None}
+    times = {name: getattr(damping, name) for name in ("axial", "bending", "shear", "warping")}
+    return {name: value for name, value in times.items() if value is not None}

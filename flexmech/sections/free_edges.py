@@ -127,11 +127,11 @@ def _free_edges(laminate: Laminate, ratio: float) -> tuple[FloatArray, float]:
     """Free edges of a laminate whose width over the thickness is given."""
     faces, solids = layer_runs(laminate)
     width = ratio * laminate.thickness
-    found = _meshed(faces, solids, width)
+    edges = _meshed(faces, solids, width)
     # From the curvature to the gradient of the strain.
     signs = np.array([[1.0, -1.0], [-1.0, 1.0]]) / width
-    free = signs * found.stiffness_of([STRETCH, CURVATURE])
-    untwisted = signs * found.stiffness_of([STRETCH, CURVATURE, TWIST])[:2, :2]
+    free = signs * edges.stiffness_of([STRETCH, CURVATURE])
+    untwisted = signs * edges.stiffness_of([STRETCH, CURVATURE, TWIST])[:2, :2]
     plate = _plate(faces, _plane_stress(solids))
     bending, resisted, none = (
         _about_neutral_axis(m) for m in (free, untwisted, _by_strains_along(plate, UNTWISTED))
@@ -190,15 +190,15 @@ def layer_runs(laminate: Laminate) -> tuple[FloatArray, FloatArray]:
     stiffness : ndarray, shape (n, 6, 6)
         By strains x, y, z, yz, xz and xy in Pa.
     """
-    own = np.stack([solid_stiffness(layer) for layer in laminate.layers])
+    stiffness = np.stack([solid_stiffness(layer) for layer in laminate.layers])
     angles = np.array([layer.angle for layer in laminate.layers])
-    change = np.abs(np.diff(own, axis=0)).max(axis=(1, 2), initial=0.0)
-    size = np.abs(own).max(axis=(1, 2))
+    change = np.abs(np.diff(stiffness, axis=0)).max(axis=(1, 2), initial=0.0)
+    size = np.abs(stiffness).max(axis=(1, 2))
     differ = (change > ALIKE * np.minimum(size[1:], size[:-1])) | (np.diff(angles) != 0)
     starts = np.concatenate([[0], 1 + np.flatnonzero(differ)])
     faces = laminate.boundaries
-    sums = np.add.reduceat(np.diff(faces)[:, None, None] * own, starts)
-    faces = faces[[*starts, len(own)]]
+    sums = np.add.reduceat(np.diff(faces)[:, None, None] * stiffness, starts)
+    faces = faces[[*starts, len(stiffness)]]
     return faces, sums / np.diff(faces)[:, None, None]
 
 

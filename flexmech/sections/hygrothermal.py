@@ -87,9 +87,9 @@ class HygrothermalProfile:
                     f"{len(laminate.layers)}; give one tuple for each"
                 )
             return [
-                (replace(layer, thickness=layer.thickness / len(own)), moisture)
-                for layer, own in zip(laminate.layers, self.moisture, strict=True)
-                for moisture in own
+                (replace(layer, thickness=layer.thickness / len(moistures)), moisture)
+                for layer, moistures in zip(laminate.layers, self.moisture, strict=True)
+                for moisture in moistures
             ]
         return [(layer, self.moisture) for layer in laminate.layers]
 

@@ -517,13 +517,13 @@ def unit_ply_stresses(layers: LayeredSection) -> FloatArray:
     place, every = layers.places(2), np.arange(len(layers.laminate.layers))[:, None]
     # Along the pins' axis the force has this lever about the neutral axis.
     loads = [(1.0, layers.neutral_axis), (0.0, 1.0)]
-    found = np.zeros((3, *place.shape, 5))
-    for stress, load in zip(found, loads, strict=False):
+    stresses = np.zeros((3, *place.shape, 5))
+    for stress, load in zip(stresses, loads, strict=False):
         stress[..., :3] = layers.plane_state(*load).stress(place, every)
-    found[2] = layers.unit_shear(place, every, True, "equilibrium")
-    found = in_ply_axes(layers.laminate, found)
-    found.setflags(write=False)
-    return found
+    stresses[2] = layers.unit_shear(place, every, True, "equilibrium")
+    stresses = in_ply_axes(layers.laminate, stresses)
+    stresses.setflags(write=False)
+    return stresses
 
 
 def in_ply_axes(laminate: Laminate, stress: FloatArray) -> FloatArray:

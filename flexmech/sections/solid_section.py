@@ -272,7 +272,7 @@ def _by_section(y: FloatArray, z: FloatArray) -> FloatArray:
 
 def _central_solutions(through: Parabolas, across: Parabolas, stiffness: FloatArray) -> FloatArray:
     """Compliance (6, 6) from the warping that grows linearly along the bar."""
-    own, coupling, of_rates = (
+    stretching, coupling, of_rates = (
         section_energy(through, across, stiffness, rates)
         for rates in ((False, False), (False, True), (True, True))
     )
@@ -282,7 +282,7 @@ def _central_solutions(through: Parabolas, across: Parabolas, stiffness: FloatAr
     # Six displacements are fixed that would move the section without warping it.
     supports = [0, count, 2 * count, line - 1, count + line - 1, count - line]
     free = np.setdiff1d(np.arange(3 * count), supports)
-    inner = own[free][:, free]
+    inner = stretching[free][:, free]
     factors = spla.splu(
         inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
@@ -308,5 +308,5 @@ def _central_solutions(through: Parabolas, across: Parabolas, stiffness: FloatAr
     strains = np.linalg.solve(resultants, loads)
     warping, rates = shapes_ + by_strains @ strains, grown + section @ strains
     mixed = warping.T @ (coupling @ rates)
-    compliance = warping.T @ (own @ warping) + mixed + mixed.T + rates.T @ (of_rates @ rates)
+    compliance = warping.T @ (stretching @ warping) + mixed + mixed.T + rates.T @ (of_rates @ rates)
     return np.asarray((compliance + compliance.T) / 2)

@@ -66,9 +66,9 @@ def _without_rigid_modes(
     alike = (np.abs(np.swapaxes(inertia, 1, 2) @ moved) ** 2).sum(axis=1)
     alike /= np.einsum("bim,bij,bjm->bm", moved.conj(), system.mass, moved).real
     rigid = np.argsort(-alike, axis=1)[:, :count]
-    found = np.take_along_axis(eigenvalues, rigid, axis=1)
+    of_rigid = np.take_along_axis(eigenvalues, rigid, axis=1)
     np.put_along_axis(eigenvalues, rigid, np.inf, axis=1)
-    return unit / eigenvalues, states, unit, found
+    return unit / eigenvalues, states, unit, of_rigid
 
 
 def _inverse_companion(
@@ -179,13 +179,15 @@ def quadratic_modes(
         vectors = np.take_along_axis(states[:, :size], order[:, None, :], axis=2).astype(complex)
     oscillating = np.full(len(unclear), count)
     for place in np.flatnonzero(unclear).tolist():
-        one, own = (
+        one, shapes_of_one = (
             np.linalg.eig(companion[place]) if states is None else (inverse[place], states[place])
         )
-        found, which, creeping = _sorted_out(system, place, unit[place], one, own[:size])
-        eigenvalues[place] = found[:most]
+        sorted_values, which, creeping = _sorted_out(
+            system, place, unit[place], one, shapes_of_one[:size]
+        )
+        eigenvalues[place] = sorted_values[:most]
         if states is not None:
-            vectors[place] = own[:size, which[:most]]
+            vectors[place] = shapes_of_one[:size, which[:most]]
         # Before the first one that creeps.
         oscillating[place] = np.append(creeping[:count], True).argmax()
     return QuadraticModes(eigenvalues, vectors, oscillating, _diverges(inverse), rigid)
@@ -388,9 +390,9 @@ def solve_eigenvalues(system: LinearSystem, count: int) -> NDArray[np.complex128
     """
     _require(system, count)
     if not system.is_conservative:
-        found = quadratic_modes(system, count, shapes=False)
-        _refuse_unsteady(system, found, count)
-        return found.eigenvalues
+        modes = quadratic_modes(system, count, shapes=False)
+        _refuse_unsteady(system, modes, count)
+        return modes.eigenvalues
     if system.rigid_modes:
         return _conservative(system, count).eigenvalues
     every = np.asarray(np.linalg.eigvalsh(_standard_form(system)[0]), dtype=float)
@@ -490,17 +492,17 @@ def _refuse_unstable(system: LinearSystem, squares: FloatArray) -> None:
 
 
 def _general(system: LinearSystem, count: int, spare: int) -> Modes:
-    found = quadratic_modes(system, count, spare)
-    _refuse_unsteady(system, found, count)
-    shapes = found.vectors
+    modes = quadratic_modes(system, count, spare)
+    _refuse_unsteady(system, modes, count)
+    shapes = modes.vectors
     norm = np.einsum("bim,bij,bjm->bm", shapes.conj(), system.mass, shapes, optimize=True)
-    return Modes(found.eigenvalues, shapes / np.sqrt(norm.real)[:, None, :], found.rigid)
+    return Modes(modes.eigenvalues, shapes / np.sqrt(norm.real)[:, None, :], modes.rigid)
 
 
-def _refuse_unsteady(system: LinearSystem, found: QuadraticModes, count: int) -> None:
-    _refuse(system, found.diverges, "the frozen linkage diverges without oscillating")
-    creeps = found.oscillating < count
-    least = int(found.oscillating.min())
+def _refuse_unsteady(system: LinearSystem, modes: QuadraticModes, count: int) -> None:
+    _refuse(system, modes.diverges, "the frozen linkage diverges without oscillating")
+    creeps = modes.oscillating < count
+    least = int(modes.oscillating.min())
     fewer = f"ask for no more than {least}, or " if least else ""
     refuse_positions(
         system.motion,

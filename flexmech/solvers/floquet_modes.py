@@ -97,11 +97,11 @@ class VibratingLinkage:
         VibratingLinkage
         """
         turn = moving.turn
-        some = slice(None, None, len(moving.basis) // SHAPE_ANGLES)
-        basis, squares = moving.basis[some], turn.frozen_squares
+        at_shapes = slice(None, None, len(moving.basis) // SHAPE_ANGLES)
+        basis, squares = moving.basis[at_shapes], turn.frozen_squares
         first = turn.rigid_modes
-        natural = np.swapaxes(turn.frozen_modes[some, :, : first + modes], 1, 2)
-        amplitude = natural @ turn.mass[some] @ basis
+        natural = np.swapaxes(turn.frozen_modes[at_shapes, :, : first + modes], 1, 2)
+        amplitude = natural @ turn.mass[at_shapes] @ basis
         least = int(turn.static_squares.argmin())
         # A constant system is solved exactly, whatever else moves in it.
         asked = min(first + modes, moving.size)
@@ -112,7 +112,7 @@ class VibratingLinkage:
             conservative=moving.conservative,
             dissipative=moving.dissipative,
             attached=moving.attached,
-            weighted=turn.weighted_shapes(basis, some),
+            weighted=turn.weighted_shapes(basis, at_shapes),
             lowest=amplitude[:, first:],
             rigid=amplitude[:, :first],
             fastest=float(np.sqrt(max(squares[:, counted - 1].max(), 0.0))),
@@ -373,14 +373,14 @@ def selected_modes(linkage: VibratingLinkage, damping: float, steps: int) -> Sel
 
 
 def _kept(linkage: VibratingLinkage, damping: float, steps: int) -> SelectedModes:
-    found = floquet_modes(linkage.system(damping), steps)
-    states = found.shapes(steps // SHAPE_ANGLES)
+    floquet = floquet_modes(linkage.system(damping), steps)
+    states = floquet.shapes(steps // SHAPE_ANGLES)
     displaced = _displacements(states, linkage)
     kept, rigid = _within(linkage.lowest, displaced), _within(linkage.rigid, displaced)
-    if found.whole_turns is None:
-        largest, shares = _largest_harmonic(found.shapes(linkage.spacing(steps), kept))
+    if floquet.whole_turns is None:
+        largest, shares = _largest_harmonic(floquet.shapes(linkage.spacing(steps), kept))
     else:
-        largest, shares = _one_harmonic(found.whole_turns[kept])
+        largest, shares = _one_harmonic(floquet.whole_turns[kept])
     weighted = linkage.weighted @ _about_harmonic(displaced[..., kept], largest)
     if not np.isfinite(weighted).all():
         raise ComputationError(
@@ -390,13 +390,13 @@ def _kept(linkage: VibratingLinkage, damping: float, steps: int) -> SelectedMode
         )
     return SelectedModes(
         linkage.crank_speed,
-        found.exponent[kept] + 2j * np.pi * largest / linkage.period,
+        floquet.exponent[kept] + 2j * np.pi * largest / linkage.period,
         weighted / np.sqrt((np.abs(weighted) ** 2).sum(axis=(0, 1))),
         shares,
         krein_signature(states[0][:, kept]),
-        found.liouville_defect,
+        floquet.liouville_defect,
         steps,
-        found.exponent[rigid],
+        floquet.exponent[rigid],
     )
 
 
@@ -413,10 +413,10 @@ def selected_growth(linkage: VibratingLinkage, damping: float, steps: int) -> Se
     -------
     SelectedGrowth
     """
-    found = floquet_modes(linkage.system(damping), steps)
-    states = found.shapes(steps // SHAPE_ANGLES)
+    floquet = floquet_modes(linkage.system(damping), steps)
+    states = floquet.shapes(steps // SHAPE_ANGLES)
     kept = _within(linkage.lowest, _displacements(states, linkage))
-    return SelectedGrowth(float(found.exponent.real[kept].max()), found.liouville_defect)
+    return SelectedGrowth(float(floquet.exponent.real[kept].max()), floquet.liouville_defect)
 
 
 def matched(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> IntArray:

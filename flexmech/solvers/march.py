@@ -133,21 +133,21 @@ class PositionTable:
     def _ensure(self, needed: IntArray) -> None:
         """Solve positions on first use, with the others of their batch."""
         for batch in np.unique(needed[~self._solved[needed]] // BATCH):
-            some = np.arange(batch * BATCH, min((batch + 1) * BATCH, self._count))
-            turned = some / self._count * self._drive.revolution_time
+            numbers = np.arange(batch * BATCH, min((batch + 1) * BATCH, self._count))
+            turned = numbers / self._count * self._drive.revolution_time
             values = self._solved_at(self._begins + turned)
             if not self._table.size:
                 self._table = np.empty((self._count + len(STENCIL) - 1, values.shape[1]))
-            self._table[some] = values
-            self._solved[some] = True
+            self._table[numbers] = values
+            self._solved[numbers] = True
             if not batch:
                 self._table[self._count :] = values[: len(STENCIL) - 1]
 
     def _solved_at(self, time: FloatArray) -> FloatArray:
         """The arrays side by side in one."""
         parts = self._solve(time)
-        self._shapes = [part.shape[1:] for part in parts]
-        return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)
+        self._shapes = [table.shape[1:] for table in parts]
+        return np.concatenate([table.reshape(len(table), -1) for table in parts], axis=1)
 
 
 class LinearMarch:
@@ -196,33 +196,33 @@ class LinearMarch:
         if self._linkage.is_condensed:
             expansions.append(self._operators(time, acting, slice(1))[-1])
         for first in range(0, len(time) - 1, CACHED_STEPS):
-            some = slice(first + 1, first + 1 + CACHED_STEPS)
-            advance, forced, expansion = self._operators(time, acting, some)
+            steps = slice(first + 1, first + 1 + CACHED_STEPS)
+            advance, forced, expansion = self._operators(time, acting, steps)
             history = march(state, self._step, advance, forced)
             state = history[-1]
             histories.append(history if first == 0 else history[1:])
             expansions.append(expansion)
-        parts = [(part.position, part.velocity, part.acceleration) for part in histories]
+        parts = [(known.position, known.velocity, known.acceleration) for known in histories]
         whole = VibrationState(*map(np.concatenate, zip(*parts, strict=True)))
         if not self._linkage.is_condensed:
             return whole, expansions[0]
         return whole, StaticExpansion(
-            np.concatenate([part.matrix for part in expansions]),
-            np.concatenate([part.offset for part in expansions]),
+            np.concatenate([known.matrix for known in expansions]),
+            np.concatenate([known.offset for known in expansions]),
         )
 
     def _operators(
-        self, time: FloatArray, acting: FloatArray | None, some: slice
+        self, time: FloatArray, acting: FloatArray | None, steps: slice
     ) -> tuple[FloatArray, FloatArray, StaticExpansion]:
         """Operators of the steps that end at some of the times; valid until the next call."""
-        linkage, (advance, forced, *rest) = self._linkage, self._table.at(time[some])
+        linkage, (advance, forced, *rest) = self._linkage, self._table.at(time[steps])
         expansion = StaticExpansion.of_all(linkage.size)
         if linkage.is_condensed:
             matrix, offset, *rest = rest
             expansion = StaticExpansion(matrix.copy(), offset.copy())
         if acting is not None:
             response, flexibility = rest
-            pushed, on_z = expansion.under(acting[some], flexibility, linkage.condensed)
+            pushed, on_z = expansion.under(acting[steps], flexibility, linkage.condensed)
             expansion = StaticExpansion(expansion.matrix, expansion.offset + pushed)
             forced = forced + (response @ on_z[..., None])[..., 0]
         return advance, forced, expansion
@@ -328,11 +328,11 @@ class StretchMarch:
         history = np.empty((3, len(time), len(state.position)))
         history[:, 0] = state.position, double * state.velocity, double**2 * state.acceleration
         for first in range(0, len(time) - 1, STAGES * CACHED_DOUBLE_STEPS):
-            some = slice(first + 1, min(first + 1 + STAGES * CACHED_DOUBLE_STEPS, len(time)))
-            rows = self._table.at(time[some][1::STAGES])
+            steps = slice(first + 1, min(first + 1 + STAGES * CACHED_DOUBLE_STEPS, len(time)))
+            rows = self._table.at(time[steps][1::STAGES])
             if acting is not None:
-                rows[0] = rows[0] + acting[some].reshape(rows[0].shape)
-            history[:, some] = self._block(rows, history[:, first])
+                rows[0] = rows[0] + acting[steps].reshape(rows[0].shape)
+            history[:, steps] = self._block(rows, history[:, first])
         whole = VibrationState(history[0], history[1] / double, history[2] / double**2)
         return whole, StaticExpansion.of_all(self._linkage.size)
 
@@ -487,8 +487,8 @@ class _Stages:
 
     def forces_at(self, turn: FloatArray, start: FloatArray) -> FloatArray:
         """Forces and second-order tensions at a start of shape (3, n) or more, (p + s,)."""
-        for part, moved in zip((self.forces.place, self.forces.rate), start, strict=False):
-            part[:, : self._size], part[:, self._size :] = moved, moved[: self._ends] @ turn
+        for values, moved in zip((self.forces.place, self.forces.rate), start, strict=False):
+            values[:, : self._size], values[:, self._size :] = moved, moved[: self._ends] @ turn
         force = self.forces.evaluate()
         return np.concatenate([force[0], self.forces.second[0]])
 
@@ -543,13 +543,13 @@ def _double_steps(linkage: DrivenLinkage, step: float, end: FloatArray) -> list[
     equations = linkage.equations(time, tables=False)
     size, strains, total = linkage.size, len(stretch.strain.gradient), STAGES * stretch.size
     mass, damping, stiffness = (
-        part.reshape(-1, STAGES, size, size)
-        for part in (equations.mass, equations.damping, equations.stiffness)
+        matrix.reshape(-1, STAGES, size, size)
+        for matrix in (equations.mass, equations.damping, equations.stiffness)
     )
     effective = _coupled(double * RATE, damping) + _coupled(double**2 * POSITION, stiffness)
     turn, rate = (
-        part.reshape(count, STAGES, *part.shape[1:])
-        for part in stretch.pin_rotations(equations.motion)
+        matrix.reshape(count, STAGES, *matrix.shape[1:])
+        for matrix in stretch.pin_rotations(equations.motion)
     )
     gathered = np.zeros((count, STAGES, size, STAGES, stretch.size))
     by_ends = RATE_BY_POSITION[:, None, :, None] * turn[:, :, :, None]
@@ -590,5 +590,5 @@ def _greatest(vectors: FloatArray) -> float:
 
 def _at_stages(known: FloatArray) -> FloatArray:
     """Positions, rates and their rates at both stages, (3, 2 m, n); see ``_block``."""
-    found = MARCH_ON.reshape(-1, known.shape[1]) @ known[:-1]
-    return np.asarray(np.moveaxis(found.reshape(-1, 3, known.shape[2]), 1, 0))
+    marched = MARCH_ON.reshape(-1, known.shape[1]) @ known[:-1]
+    return np.asarray(np.moveaxis(marched.reshape(-1, 3, known.shape[2]), 1, 0))

@@ -472,8 +472,8 @@ class OrbitEquations:
         """
         velocity, acceleration = self.first @ z, self.second @ z
         parts, count = (z, velocity, acceleration), self.frames.size
-        moving = self.frames.link_motion(self.motion, *(part[:, :count] for part in parts))
-        places = [] if self.carried is None else [part[:, count:] for part in parts]
+        moving = self.frames.link_motion(self.motion, *(values[:, :count] for values in parts))
+        places = [] if self.carried is None else [values[:, count:] for values in parts]
         running = self._standing.on_frame(places)
         ties, beyond = running.ties(z), []
         for link, (q, rate, change) in enumerate(moving):

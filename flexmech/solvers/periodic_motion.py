@@ -120,22 +120,25 @@ def newton(equations: OrbitEquations, z: FloatArray, damping_rate: float = 0.0) 
         if passes == 0:
             detuning = modal.detuning(matrices)
         step, products = modal.solve(matrices, -state.residual)
-        length, part = _length(equations, step), 1.0
+        length, fraction = _length(equations, step), 1.0
         while True:
             trial = _in_static_balance(
-                equations, modal, equations.state(state.z + part * step, damping_rate), damping_rate
+                equations,
+                modal,
+                equations.state(state.z + fraction * step, damping_rate),
+                damping_rate,
             )
             correction, count = modal.solve(matrices, -trial.residual)
             if trial.error <= TOLERANCE:
                 break
-            if _length(equations, correction) <= (1 - SHORTENED * part) * length:
+            if _length(equations, correction) <= (1 - SHORTENED * fraction) * length:
                 break
-            part /= 2
-            if part < SHORTEST_STEP:
+            fraction /= 2
+            if fraction < SHORTEST_STEP:
                 return NewtonRun(state, False, passes, detuning)
-        products = max(products, count) if part == 1 else MANY_PRODUCTS + 1
+        products = max(products, count) if fraction == 1 else MANY_PRODUCTS + 1
         state, passes = trial, passes + 1
-        logger.info("pass %d: %.3g of a step, residual %.2e", passes, part, state.error)
+        logger.info("pass %d: %.3g of a step, residual %.2e", passes, fraction, state.error)
     converged = state.error <= TOLERANCE
     if converged and modal is not None:
         detuning = modal.detuning(equations.linearized(state, damping_rate))
@@ -207,8 +210,9 @@ class _ModalPreconditioner:
     def _moving_block(self, matrices: SystemMatrices) -> FloatArray:
         """The linear periodic problem of the moving modes, (N m, N m)."""
         equations, m = self._equations, self.moving
-        samples, own = equations.samples, self.modes[:, :, :m]
-        rows, columns = np.swapaxes(own, 1, 2), np.moveaxis(own, 1, 0).reshape(-1, samples * m)
+        samples, shapes = equations.samples, self.modes[:, :, :m]
+        rows = np.swapaxes(shapes, 1, 2)
+        columns = np.moveaxis(shapes, 1, 0).reshape(-1, samples * m)
         block = np.zeros((samples, m, samples, m))
         for matrix, weight in (
             (matrices.mass, equations.second),
@@ -217,7 +221,7 @@ class _ModalPreconditioner:
             product = (rows @ matrix).reshape(samples * m, -1) @ columns
             block += weight[:, None, :, None] * product.reshape(block.shape)
         every = np.arange(samples)
-        block[every, :, every] += rows @ matrices.stiffness @ own
+        block[every, :, every] += rows @ matrices.stiffness @ shapes
         return np.asfortranarray(block.reshape(samples * m, samples * m))
 
     def solve(self, matrices: SystemMatrices, force: FloatArray) -> tuple[FloatArray, int]:
@@ -598,8 +602,8 @@ def _independent(equations: OrbitEquations, displacement: Sequence[FloatArray]) 
     """Coordinates z (N, n) of the displacement of each link, (N, n_link), on a frame at rest."""
     columns = [q[..., None] for q in displacement]
     z = np.zeros((equations.samples, equations.size))
-    own = equations.frames.size
-    z[:, :own] = equations.frames.independent(equations.motion, columns)[..., 0]
+    count = equations.frames.size
+    z[:, :count] = equations.frames.independent(equations.motion, columns)[..., 0]
     return z
 
 

@@ -62,7 +62,7 @@ class Pencil:
         columns, rows = np.nonzero(taken.T)
         pattern = _pattern(columns, rows, system.size)
         entries = np.stack([matrix[:, rows, columns] for matrix in dense], axis=1)
-        return [cls(*pattern, own) for own in entries]
+        return [cls(*pattern, values) for values in entries]
 
     @classmethod
     def block_diagonal(cls, pencils: Sequence[Pencil]) -> Pencil:
@@ -171,8 +171,8 @@ def newton_values(
     x = np.swapaxes(shapes, 1, 2).astype(complex).reshape(len(values), -1)
     entries = np.cumsum([len(pencil.rows) for pencil in of_modes])
     ends = np.flatnonzero(np.diff(entries // MOST_ENTRIES)) + 1
-    for part in np.split(np.arange(len(values)), ends):
-        moving = part
+    for places in np.split(np.arange(len(values)), ends):
+        moving = places
         for _ in range(steps):
             change, better = _newton_step([of_modes[n] for n in moving], values[moving], x[moving])
             values[moving] -= change
@@ -199,8 +199,9 @@ def _newton_step(
         if len(values) == 1:
             return np.zeros(1, dtype=complex), x
         halves = slice(len(values) // 2), slice(len(values) // 2, None)
-        parts = [_newton_step(pencils[own], values[own], x[own]) for own in halves]
-        return np.concatenate([own[0] for own in parts]), np.concatenate([own[1] for own in parts])
+        parts = [_newton_step(pencils[half], values[half], x[half]) for half in halves]
+        stepped, shapes = (np.concatenate(halves) for halves in zip(*parts, strict=True))
+        return stepped, shapes
     inertia = blocks.total(1, 0, 0) @ x.ravel()
     loads = 2 * np.repeat(values, size) * inertia + blocks.total(0, 1, 0) @ x.ravel()
     better, inertia = factors.solve(loads).reshape(x.shape), inertia.reshape(x.shape)
@@ -313,7 +314,7 @@ def converged_modes(
     if stressed is None:
         stressed = systems.stressed(crank_angle, speed)
     pencils: list[Pencil] = []
-    for detail in (each for each in DETAILS if each >= systems.detail):
+    for detail in (finer for finer in DETAILS if finer >= systems.detail):
         detailed = replace(systems, detail=detail)
         system = detailed.at(crank_angle, crank_speed, stressed)
         modes = solve_modes(system, count, max(0, min(spare, system.size - count)))
@@ -420,8 +421,8 @@ def unreduced_pencils(
     at_a_time = max(1, MATRIX_BYTES // (8 * systems.engine.frames.size**2))
     pencils = []
     for start in range(0, len(crank_angle), at_a_time):
-        part = slice(start, start + at_a_time)
-        at = crank_angle[part], crank_speed[part], stressed.at(part)
+        rows = slice(start, start + at_a_time)
+        at = crank_angle[rows], crank_speed[rows], stressed.at(rows)
         pencils += Pencil.of_positions(unreduced.at(*at))
     return pencils
 
@@ -482,7 +483,7 @@ def unreduced_eigenvalues(
     """
     unreduced = _without_component_modes(systems)
     frames, count = unreduced.engine.frames, systems.formulation.modes
-    found = np.empty((len(crank_angle), count), dtype=complex)
+    eigenvalues = np.empty((len(crank_angle), count), dtype=complex)
     # One position at a time: unreduced matrices are large.
     for place in range(len(crank_angle)):
         angle = crank_angle[place : place + 1]
@@ -497,5 +498,5 @@ def unreduced_eigenvalues(
         alike = np.abs(np.diff(values)) <= SAME * np.abs(values[1:])
         if np.any(alike) or not np.all(np.isfinite(values)):
             values = solve_eigenvalues(unreduced.at(angle, crank_speed, stressed), count)[0]
-        found[place] = values
-    return found
+        eigenvalues[place] = values
+    return eigenvalues

@@ -100,7 +100,7 @@ class LinkageDynamics:
         # In ground axes, if a frame on springs carries the linkage.
         whole, turning_alone = motion, unit
         if linkage.carried is not None:
-            places = tuple(part[:, -COORDINATES:] for part in coordinates)
+            places = tuple(values[:, -COORDINATES:] for values in coordinates)
             centre = linkage.carried.frame.centre
             whole = carried_motion(centre, motion, *places)
             turning_alone = carried_motion(centre, unit, places[0], np.zeros_like(places[0]))
@@ -171,7 +171,7 @@ class LinkageDynamics:
         if linkage.shaft is None:
             return block
         at = linkage.rotor_coordinate
-        rotor = [] if linkage.rotor is None else [part[:, at] for part in coordinates[:2]]
+        rotor = [] if linkage.rotor is None else [values[:, at] for values in coordinates[:2]]
         return linkage.shaft.carried(block, motion, rotor)
 
     def _joint_forces(
@@ -192,7 +192,7 @@ class LinkageDynamics:
         needed = [_to_ground(f[:, :2], motion.angle[:, i]) for i, f in enumerate(fields)]
         if topology.welds or topology.sliders or any(link.rigid for link in topology.links):
             whole = [np.column_stack(pair) for pair in zip(needed, moments, strict=True)]
-            moved = [q @ own.T for own, (q, _, _) in zip(self._ends, elastic, strict=True)]
+            moved = [q @ rows.T for rows, (q, _, _) in zip(self._ends, elastic, strict=True)]
             displaced = np.stack(moved, axis=1) * np.exp(1j * motion.angle[..., None])
             return _balanced_forces(topology, motion, np.concatenate(whole, axis=1), displaced)
         forces = {}
@@ -397,7 +397,7 @@ def _blocks(
     """
     equations = linkage.equations(np.zeros(1))
     if linkage.stretch is not None:
-        moving = [part[None] for part in start]
+        moving = [values[None] for values in start]
         pulled = linkage.stretch.nonlinear_forces(equations.motion, *moving)
         equations = replace(equations, force=equations.force - pulled)
     state = initial_state(equations, *start)

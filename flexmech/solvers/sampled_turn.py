@@ -169,17 +169,19 @@ class SampledTurn:
         """Number n of coordinates: those of ``frames``, and of a frame on springs."""
         return self.frames.size + (0 if self.carried is None else COORDINATES)
 
-    def link_coordinates(self, vectors: FloatArray, some: slice | None = None) -> list[FloatArray]:
+    def link_coordinates(
+        self, vectors: FloatArray, angles: slice | None = None
+    ) -> list[FloatArray]:
         """Coordinates (B, n_link, m) of each link by vectors (B, n, m) at all or some angles."""
-        motion = self.displaced if some is None else self.displaced.at(some)
+        motion = self.displaced if angles is None else self.displaced.at(angles)
         return self.frames.link_coordinates(motion, vectors[:, : self.frames.size])
 
-    def weighted_shapes(self, vectors: FloatArray, some: slice) -> FloatArray:
+    def weighted_shapes(self, vectors: FloatArray, angles: slice) -> FloatArray:
         """Shapes (B, n, m) at some of the angles, their products weighted by mass; (B, N, m)."""
-        coordinates = self.link_coordinates(vectors, some)
+        coordinates = self.link_coordinates(vectors, angles)
         if self.carried is not None:
             moved = vectors[:, self.frames.size :]
-            return self.carried.inertial_shapes(self.motion.at(some), coordinates, moved)
+            return self.carried.inertial_shapes(self.motion.at(angles), coordinates, moved)
         weighted = [
             link.mass_root.T @ reduction @ q
             for link, reduction, q in zip(self.unreduced, self.bases, coordinates, strict=True)

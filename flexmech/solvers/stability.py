@@ -160,7 +160,7 @@ def track_modes(solved: Sequence[SelectedModes]) -> TrackedModes:
     return TrackedModes(
         [modes.taken(order) for modes in every],
         [same[order] for same in alike],
-        [each.taken(order) for each in shapes],
+        [shape.taken(order) for shape in shapes],
         usual_frequencies(frequency),
     )
 
@@ -244,7 +244,7 @@ class KnownEquilibria:
     @classmethod
     def of_all(cls, parts: Iterable[KnownEquilibria]) -> KnownEquilibria:
         """Known equilibria of all parts together, apart from those added to the parts later."""
-        return cls({speed: q for part in parts for speed, q in part.displacement.items()})
+        return cls({speed: q for distances in parts for speed, q in distances.displacement.items()})
 
     def near(self, crank_speed: float, samples: int) -> list[FloatArray] | None:
         """Displacement of each link (samples, n_link) extrapolated to a crank speed.
@@ -345,7 +345,7 @@ def _lagrange(nodes: FloatArray, place: float) -> FloatArray:
 
 
 def _sum(series: Sequence[FourierSeries], weights: FloatArray) -> FourierSeries:
-    values = np.stack([each.coefficients for each in series])
+    values = np.stack([term.coefficients for term in series])
     return FourierSeries(np.tensordot(weights, values, axes=(0, 0)))
 
 
@@ -512,10 +512,10 @@ class LinkageSolver:
         ComputationError
             If there is no equilibrium.
         """
-        found, orbit = self._moving_modes(crank_speed, crank_speed)
-        count = counts_of_modes(found.turn, self.modes, 2 + self.larger)[-1]
-        larger = moving_modes(found.turn, count, frame=self.frame)
-        return self._linkage(found, orbit), self._linkage(larger, orbit)
+        moving, orbit = self._moving_modes(crank_speed, crank_speed)
+        count = counts_of_modes(moving.turn, self.modes, 2 + self.larger)[-1]
+        larger = moving_modes(moving.turn, count, frame=self.frame)
+        return self._linkage(moving, orbit), self._linkage(larger, orbit)
 
     def window(self, low: float, high: float) -> SpeedWindow:
         """Build the linkage at the nodes of a window of speeds.
@@ -561,10 +561,10 @@ class LinkageSolver:
         while True:
             state = self._turn(crank_speed, samples, fastest)
             counts = counts_of_modes(state.turn, self.modes, 1 + self.larger)
-            found = moving_modes(state.turn, counts[-1], frame=self.frame)
-            if found.series_error <= SERIES_TOLERANCE or samples == self.samples[-1]:
-                return found, state.orbit
-            enough = found.samples_for(SERIES_TOLERANCE)
+            moving = moving_modes(state.turn, counts[-1], frame=self.frame)
+            if moving.series_error <= SERIES_TOLERANCE or samples == self.samples[-1]:
+                return moving, state.orbit
+            enough = moving.samples_for(SERIES_TOLERANCE)
             more = [count for count in self.samples if count >= enough]
             samples = more[0] if more else self.samples[-1]
 

@@ -189,21 +189,21 @@ class Chain:
         beside = doubtful[:-1].astype(int) + doubtful[1:]
         # First those that both steps leave unclear.
         candidates = np.flatnonzero((beside > 0) & narrow[:-1] & narrow[1:])
-        found: dict[int, FloatArray] = {}
+        restored: dict[int, FloatArray] = {}
         for place in (candidates[np.argsort(-beside[candidates], kind="stable")] + 1).tolist():
-            if place - 1 in found or place + 1 in found:
+            if place - 1 in restored or place + 1 in restored:
                 continue
             across = cross_amplitude(shapes[place - 1 : place], shapes[place + 1 : place + 2])
             if is_unambiguous(across, assign(across), angle[place + 1] - angle[place - 1]).all():
-                found[place] = across[0]
-        return found
+                restored[place] = across[0]
+        return restored
 
     def divided(self, steps: Mask, between: Between) -> Chain:
         """The chain with one more position in each of some steps; shape (P - 1,)."""
         wanted = self.middles()[steps]
-        found = _solved(wanted, between)
-        added = [p.crank_angle for p in found]
-        every = [self.positions, *found]
+        solved = _solved(wanted, between)
+        added = [p.crank_angle for p in solved]
+        every = [self.positions, *solved]
         angle = np.concatenate([p.crank_angle for p in every])
         order = np.argsort(angle, kind="stable")
         merged = Positions(*(np.concatenate(parts)[order] for parts in zip(*every, strict=True)))
@@ -313,7 +313,7 @@ def _solved(crank_angle: FloatArray, between: Between) -> list[Positions]:
         logger.info("no modes to follow at every one of %d angles: %s", len(crank_angle), error)
         if len(crank_angle) == 1:
             return []
-    return [found for angle in crank_angle for found in _solved(np.array([angle]), between)]
+    return [position for angle in crank_angle for position in _solved(np.array([angle]), between)]
 
 
 # Branches veer when they come this close (relative to their mean frequency) ...
@@ -470,7 +470,7 @@ class Tracker:
             asked[-1] = False
             positions = Positions(
                 np.append(positions.crank_angle, last),
-                *(np.concatenate([part, part[:1]]) for part in positions[1:]),
+                *(np.concatenate([values, values[:1]]) for values in positions[1:]),
             )
         chain = Chain(positions, asked, np.empty(0))
         if between is not None:
@@ -509,13 +509,13 @@ def _tracked(chain: Chain, amplitude: FloatArray, numbering: IntArray | None) ->
 def _branches(chain: Chain, numbering: IntArray | None, full_turn: bool) -> Branches:
     """Branches at the angles asked for, from what was tracked along all of a chain."""
     amplitude, asked = chain.amplitude(), chain.asked
-    found = _tracked(chain, amplitude, numbering)
-    order = np.argsort(found.branch, axis=1)
+    tracked = _tracked(chain, amplitude, numbering)
+    order = np.argsort(tracked.branch, axis=1)
     frequency = np.take_along_axis(chain.positions.frequency, order, axis=1)
-    score = np.take_along_axis(found.score, order, axis=1)
-    torn = np.take_along_axis(found.unclear, order, axis=1)
+    score = np.take_along_axis(tracked.score, order, axis=1)
+    torn = np.take_along_axis(tracked.unclear, order, axis=1)
     # A mixture by which nothing was tracked is no low score, unless it was asked for.
-    score[[place for place in found.passed_over if not asked[place]]] = 1.0
+    score[[place for place in tracked.passed_over if not asked[place]]] = 1.0
     steps = np.arange(len(amplitude))[:, None, None]
     turned = amplitude[steps, order[:-1, :, None], order[1:, None, :]]
     veering = find_veering(frequency, turned, chain.positions.crank_angle, asked)
@@ -527,10 +527,10 @@ def _branches(chain: Chain, numbering: IntArray | None, full_turn: bool) -> Bran
         whole &= order[-1] == order[0]
 
     def by_mode(values: NDArray[Any]) -> NDArray[Any]:
-        return np.take_along_axis(values, found.branch[asked], axis=1)
+        return np.take_along_axis(values, tracked.branch[asked], axis=1)
 
     return Branches(
-        branch=found.branch[asked],
+        branch=tracked.branch[asked],
         mac=by_mode(np.minimum.reduceat(score[:last], since)),
         veering=by_mode(veering),
         unclear=by_mode(np.logical_or.reduceat(torn[:last], since)),

@@ -279,11 +279,9 @@ class SignedGrowth:
 def nearest_meeting(exponent: NDArray[np.complex128], period: float) -> float:
     """Half of the least angular velocity by which two modes of opposite sense pass, in rad/s.
 
-    Where two modes mix with higher ones, those that turn back may be kept: the others, their
-    conjugates, turn forward as fast.
+    Either mode of a conjugate pair may be kept: the other one turns as fast the other way.
     """
-    kept = exponent.imag[exponent.imag > 0]
-    forward = (kept if kept.size else np.abs(exponent.imag)) * period
+    forward = np.abs(exponent.imag) * period
     total = forward[:, None] + forward
     return float(np.abs(wrapped(total)).min() / (2 * period))
 

@@ -199,14 +199,14 @@ class PiecewiseMotion:
         number = self._number(middle)
         length = self._spans[number]
         begin, ratio = (start - self.knots[number]) / length, span / length
-        own, sines = self.polynomials[number], self.sines[number]
-        moved = np.zeros_like(own)
-        for power in range(own.shape[1]):
-            for above in range(power, own.shape[1]):
+        coefficients, sines = self.polynomials[number], self.sines[number]
+        moved = np.zeros_like(coefficients)
+        for power in range(coefficients.shape[1]):
+            for above in range(power, coefficients.shape[1]):
                 moved[:, power] += (
-                    math.comb(above, power) * own[:, above] * begin ** (above - power)
+                    math.comb(above, power) * coefficients[:, above] * begin ** (above - power)
                 )
-        moved *= ratio[:, None] ** np.arange(own.shape[1])
+        moved *= ratio[:, None] ** np.arange(coefficients.shape[1])
         sines[..., 2] += sines[..., 1] * begin[:, None]
         sines[..., 1] *= ratio[:, None]
         for rests, angle in (
@@ -247,13 +247,13 @@ class PiecewiseMotion:
             return np.array(np.broadcast_to(after, t.shape))
         number = self._number(t)
         span = self._spans[number]
-        part = (np.minimum(t, end) - self.knots[number]) / span
+        fraction = (np.minimum(t, end) - self.knots[number]) / span
         value = np.zeros(t.shape)
         for column in self._derivatives[order].T[::-1]:
-            value = value * part + column[number]
+            value = value * fraction + column[number]
         for size, rate, phase in self._waves[:, :, number]:
             # The derivative of a sine is a quarter of a period ahead.
-            value = value + size * rate**order * np.sin(rate * part + phase + order * np.pi / 2)
+            value = value + size * rate**order * np.sin(rate * fraction + phase + order * np.pi / 2)
         return np.asarray(np.where(t >= end, after, value / span**order))
 
 

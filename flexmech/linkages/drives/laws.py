@@ -466,7 +466,7 @@ def _through(
     motion = PiecewiseMotion(
         knots, polynomials, np.zeros((len(span), 0, 3)), start + speed * float(time[-1])
     )
-    angle, last = (float(own[-1]) for own in motion.ends)
+    angle, last = (float(reached[-1]) for reached in motion.ends)
     return replace(
         motion,
         end_angle=angle if drive.smoothing else float(drive.angles[-1]),

@@ -124,7 +124,7 @@ class InputShaper:
         close = _CLOSED * (times[-1] or 1.0)
         first = np.append(True, np.diff(times) > close)
         added = np.add.reduceat(weights, np.flatnonzero(first))
-        label = ", ".join(each for each in (self.label, other.label) if each)
+        label = ", ".join(name for name in (self.label, other.label) if name)
         return InputShaper(tuple(times[first].tolist()), tuple(added.tolist()), label)
 
     def residual(self, frequency: ArrayLike, damping_ratio: float = 0.0) -> FloatArray:
@@ -198,8 +198,8 @@ def input_shaper(
     else:
         left = math.exp(-math.pi * damping_ratio / math.sqrt(1 - damping_ratio**2))
         parts = [1.0, left] if kind == "zv" else [1.0, 2 * left, left**2]
-        times = [part / 2 for part in range(len(parts))]
-        weights = [part / sum(parts) for part in parts]
+        times = [count / 2 for count in range(len(parts))]
+        weights = [count / sum(parts) for count in parts]
     damped = f", damping ratio {100 * damping_ratio:.3g} %" if damping_ratio else ""
     label = f"{kind.upper()} at {frequency:.4g} Hz{damped}"
     return InputShaper(tuple(period * time for time in times), tuple(weights), label)
@@ -229,23 +229,25 @@ def _extra_insensitive(damping_ratio: float, tolerated: float) -> tuple[list[flo
         weights = np.array([first, 1 - first - last, last])
         angle = 2 * np.pi * np.array([0.0, time, 1.0])
         rate = 1j + ratio / math.sqrt(1 - ratio**2)
-        left = [np.exp(part * rate * angle) @ weights for part in (low, high, 1.0)]
+        left = [
+            np.exp(ratio_to_design * rate * angle) @ weights for ratio_to_design in (low, high, 1.0)
+        ]
         decayed = math.exp(-rate.real * angle[-1])
         zero = [side for one in left[:2] for side in (one.real, one.imag)]
         return [*zero, decayed * abs(left[2]) - tolerated]
 
     apart = math.acos(-middle / (2 * side)) / math.pi
-    found = np.array([side, side, 0.5, apart, 2 - apart])
+    unknowns = np.array([side, side, 0.5, apart, 2 - apart])
     steps = math.ceil(damping_ratio / _RATIO_STEP)
     for ratio in damping_ratio * np.arange(1, steps + 1) / steps:
-        solution = root(conditions, found, args=(float(ratio),), tol=_CLOSED)
-        found = solution.x
-    if np.abs(conditions(found, damping_ratio)).max() > 1e3 * _CLOSED:
+        solution = root(conditions, unknowns, args=(float(ratio),), tol=_CLOSED)
+        unknowns = solution.x
+    if np.abs(conditions(unknowns, damping_ratio)).max() > 1e3 * _CLOSED:
         raise ComputationError(
             f"no EI shaper is found for a damping ratio of {damping_ratio:.4g} and a tolerated "
             f"vibration of {tolerated:.4g}; tolerate less, or take ZVD"
         )
-    first, last, time, *_ = found.tolist()
+    first, last, time, *_ = unknowns.tolist()
     return [0.0, time, 1.0], [first, 1 - first - last, last]
 
 
@@ -478,13 +480,13 @@ class FrequenciesOnPath:
 
     def __post_init__(self) -> None:
         angles = checked_array(self.angles, "crank angles of frequencies", "rad")
-        found = checked_array(self.frequencies, "frequencies on the path", "Hz")
-        if angles.ndim != 1 or angles.shape != found.shape or len(angles) < 6:
+        frequencies = checked_array(self.frequencies, "frequencies on the path", "Hz")
+        if angles.ndim != 1 or angles.shape != frequencies.shape or len(angles) < 6:
             raise InputError(
-                f"got {angles.size} crank angles and {found.size} frequencies; give six or more of "
-                "both"
+                f"got {angles.size} crank angles and {frequencies.size} frequencies; give six or "
+                "more of both"
             )
-        if (np.diff(angles) <= 0).any() or (found <= 0).any():
+        if (np.diff(angles) <= 0).any() or (frequencies <= 0).any():
             raise InputError("crank angles must increase and frequencies be positive; sort them")
 
     @cached_property
@@ -573,9 +575,9 @@ class PathShapedDrive(ShapedDrive):
         total = np.zeros((3, len(phase)))
         last = self._law_way[1][-1]
         for later, weight in zip(self.shaper.times, self.shaper.weights, strict=True):
-            own = phase - later
-            time = self._law_time(np.clip(own, 0.0, last))
-            angle, moves = self.drive.crank_angle(time), (own > 0) & (own < last)
+            elapsed = phase - later
+            time = self._law_time(np.clip(elapsed, 0.0, last))
+            angle, moves = self.drive.crank_angle(time), (elapsed > 0) & (elapsed < last)
             frequency, rate = self.path.at(angle)
             first = np.where(moves, self.drive.crank_speed(time) / frequency, 0.0)
             second = self.drive.crank_acceleration(time) / frequency**2
@@ -603,8 +605,8 @@ class PathShapedDrive(ShapedDrive):
 
 def _nodes(corners: FloatArray) -> FloatArray:
     """Places evenly spaced from each corner (n,) to the next, ((n - 1) * pieces * steps + 1,)."""
-    part = np.arange(_PIECES * _STEPS) / (_PIECES * _STEPS)
-    return np.append(corners[:-1, None] + np.diff(corners)[:, None] * part, corners[-1])
+    fraction = np.arange(_PIECES * _STEPS) / (_PIECES * _STEPS)
+    return np.append(corners[:-1, None] + np.diff(corners)[:, None] * fraction, corners[-1])
 
 
 def _integral(x: FloatArray, function: Any) -> FloatArray:

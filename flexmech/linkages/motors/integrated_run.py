@@ -179,14 +179,14 @@ class _Integration:
 
         turns_on.terminal, turns_on.direction = True, 1.0  # type: ignore[attr-defined]
         fallen.terminal, fallen.direction = True, -1.0  # type: ignore[attr-defined]
-        found = self._solved(self._drive.time or _LONGEST_TURN, (turns_on, fallen))
-        if len(found.t_events[1]):
+        solution = self._solved(self._drive.time or _LONGEST_TURN, (turns_on, fallen))
+        if len(solution.t_events[1]):
             raise InputError(
                 "drive: motor: with its initial_current the crank falls back by half a turn before "
                 "the motor holds it; state a greater one, or leave initial_current out, which is "
                 "then the current that holds the crank"
             )
-        self._keep(found)
+        self._keep(solution)
 
     def _until_end(self, revolutions: float | None) -> float | None:
         """Integrate; returns the duration, or None of a motor that stalls."""
@@ -220,16 +220,18 @@ class _Integration:
         standstill.terminal, standstill.direction = True, -1.0  # type: ignore[attr-defined]
         turned.terminal, turned.direction = True, 1.0  # type: ignore[attr-defined]
         end = until if np.isfinite(until) else begin + _LONGEST_TURN * turns
-        found = self._solved(end, (standstill, turned))
-        self._keep(found)
+        solution = self._solved(end, (standstill, turned))
+        self._keep(solution)
         # A crank that creeps stands.
-        return bool(np.isfinite(until) or len(found.t_events[1])) and not len(found.t_events[0])
+        return bool(np.isfinite(until) or len(solution.t_events[1])) and not len(
+            solution.t_events[0]
+        )
 
     def _solved(self, until: float, events: tuple[Any, ...]) -> Any:
         """The motion from the last time until another in s, or a terminal event."""
         from scipy.integrate import solve_ivp
 
-        found = solve_ivp(
+        solution = solve_ivp(
             self._equation.rates,
             (float(self._time[-1][-1]), until),
             self._values[-1][:, -1],
@@ -239,21 +241,21 @@ class _Integration:
             atol=0.1 * _TOLERANCE,
             events=events,
         )
-        if not found.success:
-            at = np.degrees(float(found.y[0, -1]))
+        if not solution.success:
+            at = np.degrees(float(solution.y[0, -1]))
             raise ComputationError(
-                f"the motion under the motor cannot be followed beyond {found.t[-1]:.6g} s, crank "
-                f"angle {at:.6g} deg: {found.message}; check the motor's inductance and the "
-                "coupling, whose times may be far shorter than the run"
+                f"the motion under the motor cannot be followed beyond {solution.t[-1]:.6g} s, "
+                f"crank angle {at:.6g} deg: {solution.message}; check the motor's inductance and "
+                "the coupling, whose times may be far shorter than the run"
             )
-        return found
+        return solution
 
-    def _keep(self, found: Any) -> None:
+    def _keep(self, solution: Any) -> None:
         # An event at the start leaves a step without a length.
-        later = found.t > self._time[-1][-1]
+        later = solution.t > self._time[-1][-1]
         if later.any():
-            self._time.append(found.t[later])
-            self._values.append(found.y[:, later])
+            self._time.append(solution.t[later])
+            self._values.append(solution.y[:, later])
 
 
 # Tolerance of the residual between the nodes, relative: values are off by 3e-8 of the
@@ -337,12 +339,12 @@ def yielded_along(
     known = CubicSpline(time, np.stack([angle, speed, applied, inertia], axis=1))
 
     def rates(at: FloatArray, values: FloatArray) -> FloatArray:
-        place, was, given, own = known(at).T
+        place, was, given, inertia_there = known(at).T
         torque, changes = train.on_crank(place + values[0], was + values[1], values[2:])
-        return np.concatenate([np.stack([values[1], (torque - given) / own]), changes])
+        return np.concatenate([np.stack([values[1], (torque - given) / inertia_there]), changes])
 
-    found = _integrated(rates, time, np.concatenate([np.zeros(2), start]))
-    return found[0], found[1]
+    solution = _integrated(rates, time, np.concatenate([np.zeros(2), start]))
+    return solution[0], solution[1]
 
 
 def _integrated(
@@ -356,7 +358,7 @@ def _integrated(
     """
     from scipy.integrate import solve_bvp
 
-    found: Any = solve_bvp(
+    solution: Any = solve_bvp(
         rates,
         lambda first, _: first - start,
         time,
@@ -364,10 +366,10 @@ def _integrated(
         tol=_ALONG_TOLERANCE,
         max_nodes=_MOST_NODES * len(time),
     )
-    if found.status:
+    if solution.status:
         raise ComputationError(
             f"motor and coupling cannot be followed in the run of {time[-1]:.6g} s: "
-            f"{found.message} Check the motor's inductance and the coupling, whose times may be "
+            f"{solution.message} Check the motor's inductance and the coupling, whose times may be "
             "far shorter than the run"
         )
-    return np.asarray(found.sol(time))
+    return np.asarray(solution.sol(time))

@@ -198,12 +198,12 @@ class TorqueMotor(Motor):
 
     def torque(self, speed: ArrayLike) -> FloatArray:
         """Torque in N m at motor speeds in rad/s; shape (...) -> (...)."""
-        own = np.asarray(speed, dtype=float)
-        found = np.interp(own, self.speeds, self.torques)
+        motor_speed = np.asarray(speed, dtype=float)
+        torque = np.interp(motor_speed, self.speeds, self.torques)
         if len(self.speeds) == 1:
-            return np.asarray(found)
+            return np.asarray(torque)
         slope = (self.torques[-1] - self.torques[-2]) / (self.speeds[-1] - self.speeds[-2])
-        return np.asarray(found + slope * np.maximum(own - self.speeds[-1], 0.0))
+        return np.asarray(torque + slope * np.maximum(motor_speed - self.speeds[-1], 0.0))
 
     @property
     def words(self) -> str:

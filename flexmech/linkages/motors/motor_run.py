@@ -140,11 +140,11 @@ class ShaftEquation:
     def rates(self, time: ArrayLike, values: FloatArray) -> FloatArray:
         """Time derivatives of the values, (n, ...) at times (...)."""
         angle, speed = values[:2]
-        own, needed = self.load.parts(angle, speed, time)
+        load_inertia, needed = self.load.parts(angle, speed, time)
         if self.added is not None:
             needed = needed + self.added.at(angle / TURN)
         given, changes = self.train.on_crank(angle, speed, values[2:])
-        acceleration = (given - needed) / (own + self._rigid_inertia)
+        acceleration = (given - needed) / (load_inertia + self._rigid_inertia)
         return np.concatenate([np.stack([speed, acceleration]), changes])
 
     @property
@@ -306,9 +306,11 @@ def settled_motion(equation: ShaftEquation, near: FloatArray) -> SettledMotion |
     turn, bound = _Turn(equation, float(near[0]), float(np.sign(near[1]))), abs(_FAST * near[1])
     start = turn.unknowns(near)
     for _ in range(_DOUBLINGS):
-        found = turn.repeated(start)
-        if found is not None and np.abs(found[0]).max() <= bound:
-            return SettledMotion(equation, found[-1], turn.values(turn.angles, found[:-1]))
+        turn_values = turn.repeated(start)
+        if turn_values is not None and np.abs(turn_values[0]).max() <= bound:
+            return SettledMotion(
+                equation, turn_values[-1], turn.values(turn.angles, turn_values[:-1])
+            )
         # Near a start from rest a slow turn would stand before it ends.
         start[0] *= 2.0
     return None
@@ -326,14 +328,14 @@ class _Turn:
 
     def unknowns(self, values: FloatArray) -> FloatArray:
         """The unknowns (n - 1,) of values (n,)."""
-        own = values[1:].copy()
+        states = values[1:].copy()
         if self._equation.train.is_coupled:
-            own[1] -= values[0]
-        return own
+            states[1] -= values[0]
+        return states
 
-    def values(self, angle: FloatArray | float, own: FloatArray) -> FloatArray:
+    def values(self, angle: FloatArray | float, states: FloatArray) -> FloatArray:
         """Values (n, ...) of unknowns (n - 1, ...) at crank angles (...)."""
-        values = np.concatenate([np.broadcast_to(angle, own.shape[1:])[None], own])
+        values = np.concatenate([np.broadcast_to(angle, states.shape[1:])[None], states])
         if self._equation.train.is_coupled:
             values[2] += angle
         return values
@@ -357,7 +359,7 @@ class _Turn:
         start = np.append(unknown, 0.0)[:, None] * np.ones(len(_TURN))
         start[-1] = _TURN / abs(unknown[0])
         with np.errstate(all="ignore"):
-            found: Any = solve_bvp(
+            solution: Any = solve_bvp(
                 self._rates,
                 lambda first, last: np.append(last[:-1] - first[:-1], first[-1]),
                 _TURN,
@@ -365,23 +367,23 @@ class _Turn:
                 tol=_TOLERANCE,
                 max_nodes=_MOST_NODES,
             )
-        if found.status or not np.all(self._way * found.y[0] > 0):
+        if solution.status or not np.all(self._way * solution.y[0] > 0):
             return None
-        return np.asarray(found.sol(_TURN))
+        return np.asarray(solution.sol(_TURN))
 
     @property
     def angles(self) -> FloatArray:
         """Crank angles of the turn in rad, (m,)."""
         return np.asarray(self._angle + self._way * _TURN)
 
-    def _rates(self, turned: FloatArray, own: FloatArray) -> FloatArray:
+    def _rates(self, turned: FloatArray, states: FloatArray) -> FloatArray:
         """By the angle turned through (k,): of the unknowns (n - 1, k), and last of the time."""
         angle = self._angle + self._way * turned
-        rates = self._equation.rates(0.0, self.values(angle, own[:-1]))
+        rates = self._equation.rates(0.0, self.values(angle, states[:-1]))
         if self._equation.train.is_coupled:
             rates[2] -= rates[0]
-        by_time = np.concatenate([rates[1:], np.ones((1, own.shape[1]))])
-        return np.asarray(self._way * by_time / own[0])
+        by_time = np.concatenate([rates[1:], np.ones((1, states.shape[1]))])
+        return np.asarray(self._way * by_time / states[0])
 
 
 # Part of the mean speed by which a run may end off the settled motion.
@@ -579,7 +581,7 @@ class MotorRun(Drive):
 
     def _between(self, known: Sequence[FloatArray], end_speed: float) -> PiecewiseMotion:
         """Spline with values and derivatives (m,) at the times of the integration."""
-        starts, ends = ([row[part] for row in known] for part in (slice(-1), slice(1, None)))
+        starts, ends = ([row[rows] for row in known] for rows in (slice(-1), slice(1, None)))
         return PiecewiseMotion.hermite(self.time, starts, ends, float(known[0][-1]), end_speed)
 
 

@@ -177,7 +177,7 @@ class Drawing:
 
     def joint(self, point: str) -> PlanarJoint:
         """Joint at a point."""
-        return next((own for own in self.joints if own.point == point), PlanarJoint(point))
+        return next((joint for joint in self.joints if joint.point == point), PlanarJoint(point))
 
     def links_at(self, point: str) -> tuple[str, ...]:
         """Names of the links that pass through a point."""
@@ -407,8 +407,8 @@ class _Connections:
         """Ends in groups welded together; rigid ones first, in the order of the links."""
         ends, together = self.drawing.ends_at(point), self.drawing.fixed_together(point)
         groups: dict[str, list[LinkEnd]] = {}
-        for link, own in ends.items():
-            groups.setdefault("" if link in together else link, []).extend(own)
+        for link, link_ends in ends.items():
+            groups.setdefault("" if link in together else link, []).extend(link_ends)
         clamped = self.drawing.joint(point).kind == "clamp"
         keys = sorted(
             groups,

@@ -100,11 +100,13 @@ def compression_frequency(section: LaminateSection) -> float:
     faces, count = rows_of_runs(section.laminate.boundaries, ROWS)
     modulus = []
     for solid in map(solid_stiffness, layers):
-        own = solid[1, 1]
+        stiffness = solid[1, 1]
         if section.reduction != "wide":
             coupling = solid[ACROSS, 1]
-            own = own - coupling @ np.linalg.solve(solid[np.ix_(ACROSS, ACROSS)], coupling)
-        modulus.append(own)
+            stiffness = stiffness - coupling @ np.linalg.solve(
+                solid[np.ix_(ACROSS, ACROSS)], coupling
+            )
+        modulus.append(stiffness)
     line, density = Parabolas(faces), np.array([layer.ply.density for layer in layers])
     squares = scipy.linalg.eigh(
         line.integral(SLOPES, np.repeat(modulus, count)).toarray(),
@@ -205,7 +207,9 @@ def _reduced(links: _Links, theory: str, modes: int) -> tuple[FloatArray, list[F
         across = np.swapaxes(lower, 1, 2)
         squares, vectors = np.linalg.eigh(lower @ system.stiffness @ across)
     ends = frames.link_coordinates(links.motion, across @ vectors[..., :modes])
-    shapes = [link.basis @ own for link, own in zip(reduction.links, ends, strict=True)]
+    shapes = [
+        link.basis @ ends_of_link for link, ends_of_link in zip(reduction.links, ends, strict=True)
+    ]
     return np.asarray(np.sqrt(np.abs(squares[:, :modes])) / (2 * np.pi)), shapes
 
 
@@ -267,8 +271,8 @@ def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
     if section is None:
         return rigid_link(name, mass)
     if theory == RESTRAINED_ENDS:
-        own, ends = restrained_beam(links.mechanism, name)
-        chain = build_chain(name, own, mass, elements, BEAM_SHAPES["timoshenko"])
+        beam, ends = restrained_beam(links.mechanism, name)
+        chain = build_chain(name, beam, mass, elements, BEAM_SHAPES["timoshenko"])
         return chain.model if ends is None else ends.restrain(chain, mass.mass_per_length).model
     # In the words of an engine without loads, which then has the chain at no cost.
     return build_chain(name, section, mass, elements, BEAM_SHAPES[theory], ()).model

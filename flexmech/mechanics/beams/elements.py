@@ -57,14 +57,14 @@ class BeamElements:
     @cached_property
     def element_maps(self) -> FloatArray | None:
         """Coordinates of elements by those of their nodes, (e, 2 p, 2 p); None if the same."""
-        own, size = self.shapes.curvature, self.shapes.per_node
-        if own is None or self.kinked is None or not self.kinked.any():
+        curvature, size = self.shapes.curvature, self.shapes.per_node
+        if curvature is None or self.kinked is None or not self.kinked.any():
             return None
         maps = np.tile(np.eye(2 * size), (len(self.length), 1, 1))
         h, (first, second) = self.length[self.kinked], (ROTATION, size + ROTATION)
         rows = np.zeros((len(h), 2 * size))
-        rows[:, first], rows[:, second], rows[:, size + own] = -2 / h, 2 / h, -1.0
-        maps[self.kinked, own, :] = rows
+        rows[:, first], rows[:, second], rows[:, size + curvature] = -2 / h, 2 / h, -1.0
+        maps[self.kinked, curvature, :] = rows
         return maps
 
     @cached_property
@@ -384,8 +384,10 @@ def build_chain(
     """
     fixed = [*mass.point_positions, *(body.position for body in mass.bodies), *acting_at]
     nodes = node_positions(mass.length, elements, fixed)
-    own = _section_of_elements(section, mass.length, shapes)
-    beams = BeamElements(shapes, own, np.diff(nodes), _kinked(nodes, section, mass, acting_at))
+    of_elements = _section_of_elements(section, mass.length, shapes)
+    beams = BeamElements(
+        shapes, of_elements, np.diff(nodes), _kinked(nodes, section, mass, acting_at)
+    )
     model = _straight_link(name, nodes, beams, mass).carrying(mass)
     return Chain(model, nodes, beams, mass.mass_per_length)
 

@@ -150,7 +150,7 @@ class SolidLink:
         for rates in _RATES:
             energy = section_energy(y, z, elastic, rates)
             along, count = x.integral(rates), y.size * z.size
-            parts = [slice(count * part, count * (part + 1)) for part in range(3)]
+            parts = [slice(count * axis, count * (axis + 1)) for axis in range(3)]
             blocks = [[sp.kron(along, energy[i, j]) for j in parts] for i in parts]
             stiff = stiff + sp.bmat(blocks, format="csc")
         one = sp.kron(x.integral(VALUES), sp.kron(y.integral(VALUES, weight), z.integral(VALUES)))
@@ -393,27 +393,27 @@ def _from_solid(free: LaminateSection, length: float) -> RestrainedEnds | None:
     mass = LinkMass(length, beam.mass_per_length)
     chain = build_chain("link", beam, mass, ELEMENTS, BEAM_SHAPES["timoshenko"])
     inner = np.setdiff1d(np.arange(chain.model.size), [*chain.model.start, chain.model.end[1]])
-    own = _loads_of(chain, length)[inner]
+    beam_loads = _loads_of(chain, length)[inner]
     grid = np.ix_(inner, inner)
     stiffness = chain.model.stiffness[grid]
     points = (_POINTS + 1) / 2
     moments = _load_moments(length) @ _moments(points)
     gram = (moments * _WEIGHTS * length / 2) @ moments.T
     inverse = np.linalg.inv(np.linalg.cholesky(gram))
-    apart = loads.T @ answers - own.T @ np.linalg.solve(stiffness, own)
+    apart = loads.T @ answers - beam_loads.T @ np.linalg.solve(stiffness, beam_loads)
     bending = free.bending_stiffness
     compliance = np.eye(len(gram)) / bending + inverse @ apart @ inverse.T
     added = np.linalg.inv(compliance) - bending * np.eye(len(gram))
     if np.linalg.eigvalsh(added)[0] < -SOFTEST * bending:
         return None
     shapes = inverse @ _load_moments(length)
-    found = RestrainedEnds(length, shapes, (added + added.T) / 2, 0 * added, free.mass_per_length)
-    rows = found.rows(chain.nodes, chain.elements)[:, inner]
-    moved = np.linalg.solve(stiffness + rows.T @ found.stiffness @ rows, own)
+    ends = RestrainedEnds(length, shapes, (added + added.T) / 2, 0 * added, free.mass_per_length)
+    rows = ends.rows(chain.nodes, chain.elements)[:, inner]
+    moved = np.linalg.solve(stiffness + rows.T @ ends.stiffness @ rows, beam_loads)
     lacking = answers.T @ (solid.mass @ answers) - moved.T @ chain.model.mass[grid] @ moved
     by_shapes = np.linalg.inv(rows @ moved)
     inertia = by_shapes.T @ lacking @ by_shapes
-    return replace(found, mass=_without_negative((inertia + inertia.T) / 2))
+    return replace(ends, mass=_without_negative((inertia + inertia.T) / 2))
 
 
 def _without_negative(matrix: FloatArray) -> FloatArray:
@@ -442,6 +442,6 @@ def _loads_of(chain: Chain, length: float) -> FloatArray:
     loads[turned, 0], loads[turned, 1] = (-1.0, 1.0), (1.0, 1.0)
     places, weights, deflection = elements.deflections
     x = (chain.nodes[:-1, None] + places * elements.length[:, None]) / length
-    own = np.einsum("weg,eg,egp->wep", _moments(x)[2:], weights, deflection)
-    loads[:, 2:] = sum_of_elements(own).T
+    shares = np.einsum("weg,eg,egp->wep", _moments(x)[2:], weights, deflection)
+    loads[:, 2:] = sum_of_elements(shares).T
     return loads

@@ -248,11 +248,11 @@ class BeamShapes(ABC):
         ndarray, shape (e, 2 (p - 2))
             Rotations of the first node in rad, then of the second.
         """
-        own = np.arange(2, self.per_node)
-        is_angle = np.isin(own, self.angles)
+        inner = np.arange(2, self.per_node)
+        is_angle = np.isin(inner, self.angles)
         turned = section.free_curvature * length[:, None] / 2 * is_angle
         # What neither turns nor warps the section is its curvature at the node.
-        bends = ~is_angle & ~np.isin(own, self.warping)
+        bends = ~is_angle & ~np.isin(inner, self.warping)
         bent = section.free_curvature * bends
         return np.concatenate([bent - turned, bent + turned], axis=1)
 

@@ -91,11 +91,11 @@ class CarriedLinkage:
         if bases is None:
             bases = [np.eye(link.size) for link in links]
         inertias, of_ends, rigid = [], [], []
-        for own, full, basis in zip(frames.links, links, bases, strict=True):
-            inertias.append(LinkInertia.of(own, full, basis))
-            alone = own.reduced_ends is not None
-            unit = full.end_basis(own.size, own.kept_ends) if alone else basis
-            of_ends.append(LinkInertia.of(own, full, unit))
+        for reduced, full, basis in zip(frames.links, links, bases, strict=True):
+            inertias.append(LinkInertia.of(reduced, full, basis))
+            alone = reduced.reduced_ends is not None
+            unit = full.end_basis(reduced.size, reduced.kept_ends) if alone else basis
+            of_ends.append(LinkInertia.of(reduced, full, unit))
             fields = [getattr(full.fields, name) for name in FIELDS[:COORDINATES]]
             rigid.append(np.stack(fields, axis=1))
         return cls(mechanism, frames, tuple(inertias), tuple(of_ends), tuple(rigid))
@@ -112,13 +112,13 @@ class CarriedLinkage:
         return self.mechanism.gravity
 
     def connected(
-        self, own: ConnectedMatrices | None, motion: RigidMotion, prestress: Prestress
+        self, links: ConnectedMatrices | None, motion: RigidMotion, prestress: Prestress
     ) -> ConnectedMatrices:
         """Matrices of connectors of the linkage, with the dampers of the frame.
 
         Parameters
         ----------
-        own : ConnectedMatrices or None
+        links : ConnectedMatrices or None
             In the coordinates of ``frames``, (B, size, size); None where there are none.
         motion : RigidMotion
             Batch of shape (B,).
@@ -132,14 +132,14 @@ class CarriedLinkage:
         """
         size, batch = self.frames.size, len(motion.crank_angle)
         stiffness, damping, rate = np.zeros((3, batch, size + COORDINATES, size + COORDINATES))
-        if own is not None:
-            stiffness[:, :size, :size] = own.stiffness
-            damping[:, :size, :size] = own.damping
-            rate[:, :size, :size] = own.rate_stiffness
+        if links is not None:
+            stiffness[:, :size, :size] = links.stiffness
+            damping[:, :size, :size] = links.damping
+            rate[:, :size, :size] = links.rate_stiffness
         damping[:, size:, size:] = self.frame.damping
         follow = self._of_followers(motion, None, prestress)
         stiffness[:, size:, :size], stiffness[:, size:, size:] = follow.on_frame, follow.frame
-        conservative = not self.frame.damping.any() and (own is None or own.is_conservative)
+        conservative = not self.frame.damping.any() and (links is None or links.is_conservative)
         return ConnectedMatrices(stiffness, damping, rate, conservative)
 
     def fields(self, motion: RigidMotion) -> FloatArray:
@@ -157,11 +157,11 @@ class CarriedLinkage:
         """
         axes = np.stack([direction(motion.angle), normal(motion.angle)], axis=-2)
         arm = motion.origin - np.asarray(self.frame.centre)
-        found = np.zeros((*motion.angle.shape, 3, COORDINATES))
-        found[..., :2, :2] = axes
-        found[..., :2, 2] = (axes @ quarter_turn(arm)[..., None])[..., 0]
-        found[..., 2, 2] = 1.0
-        return np.swapaxes(found, 0, 1)
+        rigid = np.zeros((*motion.angle.shape, 3, COORDINATES))
+        rigid[..., :2, :2] = axes
+        rigid[..., :2, 2] = (axes @ quarter_turn(arm)[..., None])[..., 0]
+        rigid[..., 2, 2] = 1.0
+        return np.swapaxes(rigid, 0, 1)
 
     def on_frame(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> FloatArray:
         """Forces and moment on the frame of loads on the links that act from outside.
@@ -180,7 +180,9 @@ class CarriedLinkage:
         """
         resultants = (load @ rigid for load, rigid in zip(loads, self.rigid, strict=True))
         pairs = zip(self.fields(motion), resultants, strict=True)
-        return np.asarray(sum((own[..., None, :] @ field)[:, 0] for field, own in pairs))
+        return np.asarray(
+            sum((resultant[..., None, :] @ field)[:, 0] for field, resultant in pairs)
+        )
 
     def added(
         self,
@@ -223,14 +225,14 @@ class CarriedLinkage:
             blocks[2].on_frame[:] += follow.on_frame
             blocks[2].frame[:] += follow.frame
 
-        def bordered(own: FloatArray, block: _Block) -> FloatArray:
+        def bordered(linkage: FloatArray, block: _Block) -> FloatArray:
             by_frame, on_frame = block.by_frame, block.on_frame
             if expansion is not None:
                 by_frame = np.swapaxes(expansion, 1, 2) @ by_frame
                 on_frame = on_frame @ expansion
-            count = own.shape[1]
-            total = np.empty((len(own), count + COORDINATES, count + COORDINATES))
-            total[:, :count, :count] = own
+            count = linkage.shape[1]
+            total = np.empty((len(linkage), count + COORDINATES, count + COORDINATES))
+            total[:, :count, :count] = linkage
             total[:, :count, count:] = by_frame
             total[:, count:, :count] = on_frame
             total[:, count:, count:] = block.frame
@@ -335,8 +337,8 @@ class CarriedLinkage:
         """
         fields = self.fields(motion)
         parts = [np.sqrt(self.frame.inertia_matrix) @ moved]
-        for root, field, own in zip(self._roots, fields, links, strict=True):
-            parts.append(root.T @ np.concatenate([own, field @ moved], axis=1))
+        for root, field, coordinates in zip(self._roots, fields, links, strict=True):
+            parts.append(root.T @ np.concatenate([coordinates, field @ moved], axis=1))
         return np.concatenate(parts, axis=1)
 
     @cached_property
@@ -362,8 +364,8 @@ class CarriedLinkage:
     def _blocks(self, motion: RigidMotion, terms: RotationTerms) -> list[_Block]:
         """Mass, damping and stiffness of the frame."""
         batch, frame = len(motion.crank_angle), self.frame
-        own = [frame.inertia_matrix, frame.damping, frame.stiffness]
-        blocks = [_Block.of(matrix, batch, self.frames.size) for matrix in own]
+        of_frame = [frame.inertia_matrix, frame.damping, frame.stiffness]
+        blocks = [_Block.of(matrix, batch, self.frames.size) for matrix in of_frame]
         mass, damping, stiffness = blocks
         # An acceleration of the frame, the rotation of weight, that of the rigid acceleration.
         pushed, swung, leaning, turned = [], [], [], []

@@ -107,7 +107,8 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
             guide = line.second.body
             point = drawn.moving_point(line.first.body, line.first.place)
             relative, relative_1, relative_2 = (
-                own - its for own, its in zip(point, drawn.moving_point(guide, 0j), strict=True)
+                on_body - of_guide
+                for on_body, of_guide in zip(point, drawn.moving_point(guide, 0j), strict=True)
             )
             back, turning = np.conj(drawn.turn[:, guide]), 1j * drawn.turn_1[:, guide]
             changing = turning**2 - 1j * drawn.turn_2[:, guide]

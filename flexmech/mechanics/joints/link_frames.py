@@ -183,8 +183,8 @@ class LinkFrames(LinkTies):
         resisting = list(zip(damping, end_damping or damping, strict=True))
         for number, angles in enumerate(turns or ()):
             if (change := self.links[number].inertia_change(angles)) is not None:
-                own = inertia[number]
-                inertia[number] = change + (own if own.ndim == 4 else own[:, None])
+                straight = inertia[number]
+                inertia[number] = change + (straight if straight.ndim == 4 else straight[:, None])
         shape = (len(motion.crank_angle), self.size, self.size)
         mass, total = np.zeros((2, *shape))
         damped = [bool(matrix.any()) for matrix, _ in resisting]
@@ -245,8 +245,8 @@ class LinkFrames(LinkTies):
             self.links, self._places, self.dependent_rows(motion), strict=True
         ):
             q = np.zeros((len(vectors), link.size, vectors.shape[2]), dtype=vectors.dtype)
-            for own, independent in place.runs:
-                q[:, own] = vectors[:, independent]
+            for of_link, independent in place.runs:
+                q[:, of_link] = vectors[:, independent]
             q[:, dependent.rows] = dependent.turn @ vectors[:, dependent.columns]
             result.append(q)
         return result
@@ -266,8 +266,8 @@ class LinkFrames(LinkTies):
         shape = (len(displacement[0]), self.size, displacement[0].shape[2])
         z = np.zeros(shape, dtype=displacement[0].dtype)
         for place, q in zip(self._places, displacement, strict=True):
-            for own, independent in place.runs:
-                z[:, independent] = q[:, own]
+            for of_link, independent in place.runs:
+                z[:, independent] = q[:, of_link]
         if self.topology.sliders:
             first = len(self.rigid.independent_coordinates)
             z[:, :first] += self._slides(motion, displacement)
@@ -350,6 +350,6 @@ class LinkFrames(LinkTies):
         ties = self.dependent_rows(motion)
         for load, place, tie in zip(loads, self._places, ties, strict=True):
             total[:, tie.columns] += np.einsum("bij,bi...->bj...", tie.turn, load[:, tie.rows])
-            for own, independent in place.runs:
-                total[:, independent] += load[:, own]
+            for of_link, independent in place.runs:
+                total[:, independent] += load[:, of_link]
         return total

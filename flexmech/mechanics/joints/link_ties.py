@@ -626,7 +626,9 @@ class DisplacedTies:
 
 def _united(parts: Iterable[IntArray]) -> IntArray:
     """Numbers that are in any of several arrays, ascending."""
-    return np.array(sorted({number for part in parts for number in part.tolist()}), dtype=np.intp)
+    return np.array(
+        sorted({number for numbers in parts for number in numbers.tolist()}), dtype=np.intp
+    )
 
 
 def _parts(matrix: Matrix) -> Sequence[FloatArray]:

@@ -116,7 +116,7 @@ def link_boundary(topology: Topology, link: LinkModel) -> LinkBoundary:
         rows = link.end_rotation_of(end)
         keeps = bool(len(rows)) and LinkEnd(link.name, end) in welded and not fixed[rows].any()
         # Both ends of a bar have one rotation.
-        before = [n for n, own in enumerate(columns) if np.array_equal(own, rows)]
+        before = [n for n, column in enumerate(columns) if np.array_equal(column, rows)]
         numbers = (before or [len(columns)]) if keeps else []
         kept[f"{end}_rotation"] = np.array(numbers, dtype=np.intp)
         columns += [rows] if len(columns) in numbers else []
@@ -263,12 +263,14 @@ def fix_interfaces(
     # Modes of a link whose ends turn freely converge slowly to a spring against that.
     return tuple(
         replace(
-            own,
-            bending_relief=np.hstack([own.bending_relief, own.flexibility @ couples[number]]),
+            link_modes,
+            bending_relief=np.hstack(
+                [link_modes.bending_relief, link_modes.flexibility @ couples[number]]
+            ),
         )
         if couples[number].size
-        else own
-        for number, own in zip(flexible, fixed, strict=True)
+        else link_modes
+        for number, link_modes in zip(flexible, fixed, strict=True)
     )
 
 
@@ -474,8 +476,8 @@ def component_modes(
         )
         for h in fixed
     )
-    own = (_unreduced(link) if link.rigid else next(reduced) for link in links)
-    return ComponentModes(topology, tuple(own))
+    models = (_unreduced(link) if link.rigid else next(reduced) for link in links)
+    return ComponentModes(topology, tuple(models))
 
 
 def _unreduced(link: LinkModel) -> ReducedLink:
@@ -537,9 +539,9 @@ def _damped_ends(fixed: FixedInterfaceLink, basis: FloatArray, condensed: FloatA
     force = link.damping @ fixed.boundary.unit[:, dependent]
     whole = (force * (fixed.flexibility @ force)).sum(axis=0)
     scale = 1 / np.sqrt(np.where(whole > 0, whole, np.inf))
-    part = condensed.T @ force * scale
+    pushed = condensed.T @ force * scale
     stiffness = condensed.T @ (link.stiffness @ condensed)
-    values, combination = np.linalg.eigh(part.T @ np.linalg.solve(stiffness, part))
+    values, combination = np.linalg.eigh(pushed.T @ np.linalg.solve(stiffness, pushed))
     combination = combination[:, values > ROUND_OFF_SHAPE**2]
     ways = np.zeros((basis.shape[1], combination.shape[1]))
     ways[dependent] = scale[:, None] * combination

@@ -275,17 +275,17 @@ class LinkModel:
         moment, fixed = self.first_moment.copy(), []
         places = body_nodes(self.readings.nodes, mass.bodies).tolist()
         for body, node in zip(mass.bodies, places, strict=True):
-            own, section = self._section(node)
+            at_node, section = self._section(node)
             fixed.append(RigidBody.fixed(body, section))
-            (a, c), entries = fixed[-1].first_moment, np.ix_(own, own)
-            rows, columns = (each.ravel() for each in np.broadcast_arrays(*entries))
+            (a, c), entries = fixed[-1].first_moment, np.ix_(at_node, at_node)
+            rows, columns = (entry.ravel() for entry in np.broadcast_arrays(*entries))
             added = fixed[-1].matrices(np.zeros(())).reshape(3, -1)
             matrices = [
                 with_entries(matrix, rows, columns, more)
                 for matrix, more in zip(matrices, added, strict=True)
             ]
             by_rotation = fixed[-1].translational_inertia
-            moment[:, own] += [[c, -a, -by_rotation], [a, c, 0.0]]
+            moment[:, at_node] += [[c, -a, -by_rotation], [a, c, 0.0]]
         if mass.offset:
             nodes = self.readings.nodes
             shares = mass.mass_per_length * np.convolve(np.diff(nodes), [0.5, 0.5])
@@ -309,10 +309,10 @@ class LinkModel:
 
     def _section(self, node: int) -> tuple[IntArray, FloatArray]:
         """Coordinates (3,) of displacement and rotation at a node, and their rows (3, n)."""
-        own = self.readings.per_node * node + np.array([0, 1, self.readings.slope])
+        columns = self.readings.per_node * node + np.array([0, 1, self.readings.slope])
         rows = np.zeros((3, self.size))
-        rows[np.arange(3), own] = 1.0
-        return own, rows
+        rows[np.arange(3), columns] = 1.0
+        return columns, rows
 
     def inertia_change(self, turns: Sequence[FloatArray]) -> FloatArray | None:
         """Change of :attr:`inertia` of the straight link by rotated bodies.

@@ -241,11 +241,11 @@ class LinkStretch:
         gradient = self.gradient @ basis
         combined, times = [gradient[:, :0]], [self.damping_time[:0]]
         for time in np.unique(self.damping_time):
-            own = np.flatnonzero(self.damping_time == time)
-            directions, size, _ = np.linalg.svd(gradient[own], full_matrices=False)
+            rows = np.flatnonzero(self.damping_time == time)
+            directions, size, _ = np.linalg.svd(gradient[rows], full_matrices=False)
             directions = directions[:, size > RANK_TOLERANCE * size.max(initial=0.0)]
             combined.append(np.zeros((len(gradient), directions.shape[1])))
-            combined[-1][own] = directions
+            combined[-1][rows] = directions
             times.append(np.full(directions.shape[1], time))
         kept = np.concatenate(combined, axis=1).T
         return replace(

@@ -127,8 +127,8 @@ class RigidBody:
             :class:`flexmech.mechanics.LinkModel` for each.
         """
         a, c = self._turned(angle)
-        found = np.zeros((3, *np.shape(angle), 3, 3))
-        mass, gyroscopic, centrifugal = found
+        matrices = np.zeros((3, *np.shape(angle), 3, 3))
+        mass, gyroscopic, centrifugal = matrices
         mass[..., [0, 1], [0, 1]] = self.mass
         mass[..., 0, 2] = mass[..., 2, 0] = -c
         mass[..., 1, 2] = mass[..., 2, 1] = a
@@ -138,7 +138,7 @@ class RigidBody:
         gyroscopic[..., 0, 1], gyroscopic[..., 1, 0] = -self.mass, self.mass
         gyroscopic[..., 0, 2], gyroscopic[..., 2, 0] = -a, a
         gyroscopic[..., 1, 2], gyroscopic[..., 2, 1] = -c, c
-        return found
+        return matrices
 
     def natural_inertia(self, turn: FloatArray) -> FloatArray:
         """Inertia of the body in natural coordinates, which is the same however far it turns.
@@ -258,13 +258,13 @@ class RigidBody:
         point_inertia += (
             acceleration[:, :2] + 2 * speed[:, None] * quarter_turn(rate[:, :2]) + net_acceleration
         )
-        own = _turning(speed + rate[:, 2], change + acceleration[:, 2])
+        spin = _turning(speed + rate[:, 2], change + acceleration[:, 2])
         force, by_q = np.zeros((len(moved), 3)), np.zeros((len(moved), 3, 3))
-        force[:, :2] = self.mass * point_inertia + (own @ arm[..., None])[..., 0]
+        force[:, :2] = self.mass * point_inertia + (spin @ arm[..., None])[..., 0]
         force[:, 2] = np.sum(lever * point_inertia, axis=1)
         force[:, 2] += self.second_moment * (change + acceleration[:, 2])
         by_q[:, :2, :2] = self.mass * turning
-        by_q[:, :2, 2] = (own @ lever[..., None])[..., 0]
+        by_q[:, :2, 2] = (spin @ lever[..., None])[..., 0]
         by_q[:, 2, :2] = (lever[:, None] @ turning)[:, 0]
         by_q[:, 2, 2] = -np.sum(arm * point_inertia, axis=1)
         return force, by_q
@@ -401,10 +401,10 @@ class RigidBody:
 
 def _turning(speed: FloatArray, change: FloatArray) -> FloatArray:
     """``change J - speed^2``: second derivative of a rotating vector by the vector, (B, 2, 2)."""
-    found = np.zeros((len(speed), 2, 2))
-    found[:, 0, 0] = found[:, 1, 1] = -(speed**2)
-    found[:, 0, 1], found[:, 1, 0] = -change, change
-    return found
+    turning = np.zeros((len(speed), 2, 2))
+    turning[:, 0, 0] = turning[:, 1, 1] = -(speed**2)
+    turning[:, 0, 1], turning[:, 1, 0] = -change, change
+    return turning
 
 
 def body_nodes(nodes: FloatArray, bodies: Sequence[LinkBody | RigidBody]) -> IntArray:

@@ -111,13 +111,13 @@ class RotationTerms:
         RotationTerms(coriolis=True, centripetal=False, tangential=True)
         """
         check_instance(text, str, "rotation_terms", f"write {_KNOWN}")
-        asked = [each.strip().lower() for each in text.split(",")]
+        asked = [term.strip().lower() for term in text.split(",")]
         if len(asked) == 1 and asked[0] in _WHOLE:
             return cls.all_or_none(_WHOLE[asked[0]])
-        for each in asked:
-            if each not in ROTATION_TERMS:
+        for term in asked:
+            if term not in ROTATION_TERMS:
                 raise InputError(
-                    f"got {text!r}, in which {each!r} is no rotation term; write {_KNOWN}"
+                    f"got {text!r}, in which {term!r} is no rotation term; write {_KNOWN}"
                 )
         return cls(*(name in asked for name in ROTATION_TERMS))
 

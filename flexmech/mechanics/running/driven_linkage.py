@@ -260,7 +260,7 @@ class StaticExpansion:
         if self.matrix.shape[1] == self.matrix.shape[2]:
             return parts
         position, velocity, acceleration = (
-            (self.matrix @ part[..., None])[..., 0] for part in parts
+            (self.matrix @ values[..., None])[..., 0] for values in parts
         )
         return position + self.offset, velocity, acceleration
 
@@ -435,8 +435,8 @@ class DrivenLinkage:
         if self.shaft is None:
             return []
         [column] = np.flatnonzero(self.shaft.coordinate)
-        own = [int(np.sum(~self.condensed[:column]))]
-        return own if self.rotor is None else [*own, self.size + self.rotor_coordinate]
+        columns = [int(np.sum(~self.condensed[:column]))]
+        return columns if self.rotor is None else [*columns, self.size + self.rotor_coordinate]
 
     @property
     def is_condensed(self) -> bool:
@@ -631,13 +631,13 @@ class DrivenLinkage:
         inner[: self.frames.size] = self.frames.gather(equations.motion, parts)[0]
         position, along = np.zeros(self.size), np.zeros(len(inner), dtype=bool)
         for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
-            own = self.frames.independent_coordinates(number)
-            along[target[own[link.is_axial[own]]]] = True
+            coordinates = self.frames.independent_coordinates(number)
+            along[target[coordinates[link.is_axial[coordinates]]]] = True
         axial = np.flatnonzero(along[~self.condensed])
         if len(axial):
             force = equations.expansion.matrix[0].T @ inner
-            own = equations.stiffness[0][np.ix_(axial, axial)]
-            position[axial] = np.linalg.solve(own, force[axial])
+            stiffness = equations.stiffness[0][np.ix_(axial, axial)]
+            position[axial] = np.linalg.solve(stiffness, force[axial])
         return position
 
 
@@ -673,10 +673,10 @@ def static_balance(linkage: DrivenLinkage, position: FloatArray, time: float = 0
         bordered = np.block([[stiffness + tangent, row.T], [row, np.zeros(2 * [len(row)])]])
         change = np.linalg.solve(bordered, gap)[: linkage.size]
         z += change
-        part = np.abs(change).max() / max(np.abs(z).max(), NOTHING)
-        if part <= CONVERGED or last <= 2 * part <= STAGNATED:
+        ratio = np.abs(change).max() / max(np.abs(z).max(), NOTHING)
+        if ratio <= CONVERGED or last <= 2 * ratio <= STAGNATED:
             return z
-        last = part
+        last = ratio
     raise ComputationError(
         f"the links find no balance at time {time:.6g} s from which to start, crank angle "
         f"{np.degrees(float(linkage.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "

@@ -109,7 +109,7 @@ class ShaftTorque:
     def at(self, time: FloatArray) -> tuple[FloatArray, ...]:
         """Torque, damping, stiffness, and the coordinate with its rate, at times (m,) in s."""
         known = (self.torque, self.damping, self.stiffness, self.across, self.turning)
-        return tuple(np.interp(time, self.time, own) for own in known)
+        return tuple(np.interp(time, self.time, values) for values in known)
 
     def pull(self, time: FloatArray) -> FloatArray:
         """What damping and stiffness take off too much at the known motion, (m,) in N m."""
@@ -122,7 +122,7 @@ class ShaftTorque:
             torque = np.interp(time, self.time, self.torque)
             return torque, torque + self.pull(time)
         known = self.coupling.torque, self.coupling.lag
-        torque, lag = (np.interp(time, self.time, own) for own in known)
+        torque, lag = (np.interp(time, self.time, values) for values in known)
         return torque, lag
 
     def added(
@@ -216,9 +216,9 @@ class ShaftTorque:
         The time; the shaft's coordinate and its rate; its rotation and the rate of that; and of a
         rotor on a coupling its coordinate and rate.
         """
-        parts = [np.concatenate(own) for own in zip(*self.recorded, strict=True)]
+        parts = [np.concatenate(blocks) for blocks in zip(*self.recorded, strict=True)]
         time, first = np.unique(parts[0], return_index=True)
-        return (time, *(own[first] for own in parts[1:]))
+        return (time, *(values[first] for values in parts[1:]))
 
 
 def with_rotor(
@@ -315,8 +315,10 @@ class DrivenShaft:
             return None
         fields = []
         for link in links:
-            own = link.model.fields
-            rigid = np.stack([own.along, own.across, own.tangential], axis=1)
+            rigid_fields = link.model.fields
+            rigid = np.stack(
+                [rigid_fields.along, rigid_fields.across, rigid_fields.tangential], axis=1
+            )
             # Static shapes of a straight link show how it moves as a rigid body.
             fields.append(np.asarray(np.linalg.lstsq(link.basis, rigid)[0]))
         number = engine.free_shaft.link
@@ -480,7 +482,7 @@ class DrivenShaft:
         shift = back * _complex(mean.origin - turned.origin)
         drift = back * _complex(mean.origin_velocity - turned.origin_velocity)
         drift -= 1j * turned.angular_velocity * shift
-        places, rates = ([own.copy() for own in q] for q in (run.displacement, run.rate))
+        places, rates = ([values.copy() for values in q] for q in (run.displacement, run.rate))
         for number, (link, q, rate) in enumerate(zip(links, places, rates, strict=True)):
             (x, y), field, along = link.vectors, link.fields.tangential, link.fields.along
             turn, faster = np.exp(-1j * angle[:, number, None]), spin[:, number, None]

@@ -74,8 +74,8 @@ class MovingGuides:
             to_line = MatrixWithRates.rotation(np.array([-slider.direction]), *np.zeros((2, 1)))
             start = to_line.value[0] @ bar.basis[bar.model.start]
             self._bars.append((start, length * bar.natural @ bar.basis))
-            own = coordinates[COORDINATES * (len(strains) - 1) :][:COORDINATES]
-            strains.append(_strain(engine, length).in_coordinates(own))
+            of_shaft = coordinates[COORDINATES * (len(strains) - 1) :][:COORDINATES]
+            strains.append(_strain(engine, length).in_coordinates(of_shaft))
         self.stretch = joined_strains(strains)
 
     @property
@@ -101,8 +101,8 @@ class MovingGuides:
         """
         _, slid = link_bodies(motion, self._topology)
         pairs = zip(self._sliders, self._bars, strict=True)
-        found = [self._rows_of(motion, links, n, bar, slid[:2, :, n]) for n, bar in pairs]
-        value, rate = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
+        with_rates = [self._rows_of(motion, links, n, bar, slid[:2, :, n]) for n, bar in pairs]
+        value, rate = (np.concatenate(parts, axis=1) for parts in zip(*with_rates, strict=True))
         return value, rate
 
     def _rows_of(
@@ -247,7 +247,9 @@ class LinkageStretch:
         """
         turn, rate = self.pin_rotations(motion)
         augmentation = self.augmentation(turn)
-        place, moving = ((augmentation @ part[..., None])[..., 0] for part in (position, velocity))
+        place, moving = (
+            (augmentation @ values[..., None])[..., 0] for values in (position, velocity)
+        )
         moving[:, self._independent :] += (rate @ position[:, : self.end_count, None])[..., 0]
         elastic, damping = self.strain.nonlinear_forces(place, moving)
         return np.asarray(((elastic + damping)[:, None] @ augmentation)[:, 0])
@@ -289,7 +291,7 @@ class LinkageStretch:
         if not self.guides.size:
             return matrices
         stretch, ends = self.guides.stretch, slice(self.end_count)
-        strain, rate = (stretch.gradient @ part for part in self._guide_rows(motion))
+        strain, rate = (stretch.gradient @ rows for rows in self._guide_rows(motion))
         turned, time = np.swapaxes(strain, 1, 2), stretch.damping_time[:, None]
         stiffness, damping = matrices.stiffness.copy(), matrices.damping.copy()
         stiffness[:, ends, ends] += turned @ strain
@@ -321,11 +323,11 @@ class LinkageStretch:
         if not self.guides.size:
             return np.zeros(len(position))
         (turn, rate), (_, turning) = self._guide_rows(motion), self._guide_rows(unit)
-        z, moving = (part[:, : self.end_count, None] for part in (position, velocity))
+        z, moving = (values[:, : self.end_count, None] for values in (position, velocity))
         place, speed = (turn @ z)[..., 0], (turn @ moving + rate @ z)[..., 0]
         stretch = self.guides.stretch
         elastic, damping = stretch.nonlinear_forces(place, speed)
-        linear, linear_rate = (part @ stretch.gradient.T for part in (place, speed))
+        linear, linear_rate = (values @ stretch.gradient.T for values in (place, speed))
         tension = linear + stretch.damping_time * linear_rate
         force = elastic + damping + tension @ stretch.gradient
         return np.asarray(np.einsum("mi,mi->m", (turning @ z)[..., 0], force))
@@ -437,11 +439,11 @@ class StretchForces:
         """
         strains = self._tension.shape[1]
         gradient, slopes = self._both[:strains], self._both[strains:]
-        own = gradient + (self._spread * self._slopes[:, None]) @ slopes
-        turned = np.swapaxes(own, 1, 2)
-        elastic = turned @ own - gradient.T @ gradient
+        displaced = gradient + (self._spread * self._slopes[:, None]) @ slopes
+        turned = np.swapaxes(displaced, 1, 2)
+        elastic = turned @ displaced - gradient.T @ gradient
         elastic += slopes.T @ (self._spread_tension[..., None] * slopes)
         if self._times is None:
             return elastic, np.zeros_like(elastic)
         time = self._times[:, None]
-        return elastic, turned @ (time * own) - gradient.T @ (time * gradient)
+        return elastic, turned @ (time * displaced) - gradient.T @ (time * gradient)

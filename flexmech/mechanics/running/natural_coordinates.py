@@ -157,9 +157,9 @@ def bar_stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
     float
     """
     sections = engine.mechanism.sections
-    elastic = [each for each in engine.mechanism.linkage.topology.links if not each.rigid]
-    along = [sections[each.name].axial_stiffness / each.length for each in elastic]
-    mass = [sections[each.name].mass_per_length * each.length for each in elastic]
+    elastic = [link for link in engine.mechanism.linkage.topology.links if not link.rigid]
+    along = [sections[link.name].axial_stiffness / link.length for link in elastic]
+    mass = [sections[link.name].mass_per_length * link.length for link in elastic]
     by_inertia = inertia * max(k / m for k, m in zip(along, mass, strict=True))
     return RIGIDITY * max(max(along) * arm**2, by_inertia)
 
@@ -230,8 +230,8 @@ def _bar(
     start, end = np.array([0, 1]), np.array([size - 2, size - 1]) if joined else NONE.copy()
     turning = np.array([2]) if turned or not joined else NONE.copy()
     rotates = np.eye(size)[2] if len(turning) else from_own[3]
-    own = matter.about_centre.second_moment if matter.mass else 0.0
-    shared = ON_ROTATION * max(own - shaft, 0.0) if joined and turned else 0.0
+    about_centre = matter.about_centre.second_moment if matter.mass else 0.0
+    shared = ON_ROTATION * max(about_centre - shaft, 0.0) if joined and turned else 0.0
     spread = replace(matter, second_moment=matter.second_moment - shared)
     inertia = from_own.T @ spread.natural_inertia(np.eye(2)) @ from_own
     translational = inertia.copy()
@@ -342,9 +342,11 @@ class TurningSections:
         -------
         TurningSections
         """
-        own = engine.links[shaft.link]
-        place = np.append(own.end_displacement(shaft.clamp.link_end.end), shaft.rotation(own))
-        arm = shaft.clamp.hub or float(own.readings.nodes[-1])
+        arm_model = engine.links[shaft.link]
+        place = np.append(
+            arm_model.end_displacement(shaft.clamp.link_end.end), shaft.rotation(arm_model)
+        )
+        arm = shaft.clamp.hub or float(arm_model.readings.nodes[-1])
         stiffness = np.array([bar_stiffness(engine, arm, shaft.inertia)])
         time = bar_damping_time(engine)
         matter = ((0, RigidBody(0.0, (0.0, 0.0), shaft.inertia, shaft.inertia)),)
@@ -385,10 +387,10 @@ class TurningSections:
             if body.is_off_axis:
                 stiffness[node] += bar_stiffness(engine, body.arm)
         if any(axes):
-            part = np.convolve(np.diff(nodes), [0.5, 0.5]) / nodes[-1]
+            share_of_node = np.convolve(np.diff(nodes), [0.5, 0.5]) / nodes[-1]
             arm = float(np.hypot(*axes))
-            stiffness += OF_ALL_SECTIONS * part * bar_stiffness(engine, arm)
-            share += part * mass.mass_per_length * nodes[-1]
+            stiffness += OF_ALL_SECTIONS * share_of_node * bar_stiffness(engine, arm)
+            share += share_of_node * mass.mass_per_length * nodes[-1]
             acting = [body.position for body in fixed]
             shapes = _shapes(nodes, [*acting, *engine.mechanism.acting_at(link.name)])
         place = link.readings.per_node * used[:, None] + np.array([0, 1, link.readings.slope])
@@ -425,26 +427,26 @@ class TurningSections:
     def _stretch(self, before: LinkStretch) -> LinkStretch:
         """Strains of the link and of the bars."""
         size = before.gradient.shape[1]
-        own = before.in_coordinates(self._lifted(size, self.neutral_axis))
+        of_link = before.in_coordinates(self._lifted(size, self.neutral_axis))
         unit = np.eye(size + self.shapes.shape[1])
         given = zip(self.shapes @ unit[size:], self.place[:, 2], self.stiffness, strict=True)
         bars = [rigid_arm(d_1, unit[turn], float(k), self.damping_time) for d_1, turn, k in given]
-        return replace(joined_strains([own, *bars]), neutral_axis=own.neutral_axis)
+        return replace(joined_strains([of_link, *bars]), neutral_axis=of_link.neutral_axis)
 
     def _model(self, link: LinkModel) -> LinkModel:
         """The link's matrices, by ``d_1`` as well."""
         size, shapes = link.size, self.shapes
-        elastic, own = self._lifted(size, self.neutral_axis), slice(size, None)
+        elastic, bars_only = self._lifted(size, self.neutral_axis), slice(size, None)
         mass, gyroscopic, centrifugal = self._inertia(link)
         own_mass = self.share * (self.mass_axis**2 + self.neutral_axis**2)
         # Of the fourth order in the rotation, and at no place: it lets arms move that turn alone.
-        mass[own, own] += (alone := shapes.T @ (own_mass[:, None] * shapes))
+        mass[bars_only, bars_only] += (alone := shapes.T @ (own_mass[:, None] * shapes))
         bars = np.zeros_like(mass)
-        bars[own, own] = shapes.T @ (self.stiffness[:, None] * shapes)
+        bars[bars_only, bars_only] = shapes.T @ (self.stiffness[:, None] * shapes)
         # Where all matter is the field of centripetal accelerations says from now on.
         drawn = np.linalg.lstsq(shapes, np.ones(len(shapes)))[0]
         moment = np.zeros((2, len(mass)))
-        moment[1, own] = -alone @ drawn
+        moment[1, bars_only] = -alone @ drawn
         fields, none = link.fields, np.zeros(len(drawn))
         return replace(
             link,
@@ -467,14 +469,14 @@ class TurningSections:
 
     def _inertia(self, link: LinkModel) -> list[FloatArray]:
         """Mass, gyroscopic and centrifugal mass matrix, (n + r, n + r)."""
-        found = [x.copy() for x in (link.mass, link.gyroscopic, link.centrifugal_mass)]
+        matrices = [x.copy() for x in (link.mass, link.gyroscopic, link.centrifugal_mass)]
         for number, body in self.bodies:
             entries = np.ix_(self.place[number], self.place[number])
             straight = body.matrices(np.zeros(()))
-            for matrix, own in zip(found, straight, strict=True):
-                matrix[entries] -= own
+            for matrix, as_rigid in zip(matrices, straight, strict=True):
+                matrix[entries] -= as_rigid
         lifted = self._lifted(link.size, self.mass_axis)
-        mass, gyroscopic, centrifugal = (lifted.T @ matrix @ lifted for matrix in found)
+        mass, gyroscopic, centrifugal = (lifted.T @ matrix @ lifted for matrix in matrices)
         unit = np.eye(len(mass))
         for number, body in self.bodies:
             u, v, phi = self.place[number]

@@ -179,9 +179,9 @@ def rigid_torque(mechanism: Mechanism, drive: Drive, time: FloatArray) -> FloatA
     """
     torque = np.empty(len(time))
     for first in range(0, len(time), BATCH):
-        some = time[first : first + BATCH]
-        motion = drive.motion(mechanism.linkage, some)
-        torque[first : first + BATCH] = mechanism.inverse_dynamics(motion, some).driving_torque
+        batch = time[first : first + BATCH]
+        motion = drive.motion(mechanism.linkage, batch)
+        torque[first : first + BATCH] = mechanism.inverse_dynamics(motion, batch).driving_torque
     return torque + mechanism.shaft_inertia * drive.crank_acceleration(time)
 
 
@@ -417,7 +417,7 @@ class Recorder:
     def finish(self) -> Trajectory:
         """The samples of all blocks."""
         places, rates, energies = (
-            [np.concatenate(own) for own in zip(*parts, strict=True)]
+            [np.concatenate(blocks) for blocks in zip(*parts, strict=True)]
             for parts in zip(*self._parts, strict=True)
         )
         frame = FrameMotion(places.pop(), rates.pop()) if self._has_frame else None
@@ -448,7 +448,7 @@ class Recorder:
             moving.append((block.shaft.rotation[:, None], block.shaft.rate[:, None]))
         if block.frame is not None:
             moving.append((block.frame.displacement, block.frame.rate))
-        cubic = [hermite_interpolation(block.time, *own, before, fraction) for own in moving]
+        cubic = [hermite_interpolation(block.time, *ends, before, fraction) for ends in moving]
         stored = block.kinetic_energy, block.strain_energy, block.gravity_energy
         energy = np.stack([*stored, *work], axis=1)
         self._parts.append(

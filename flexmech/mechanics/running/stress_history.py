@@ -270,9 +270,9 @@ class StressHistory:
         assert forces is not None
         assert stretches is not None
         for number, link in enumerate(self._engine.links):
-            own, batch = self._bases[number], len(places[number])
-            stiffness = own.T @ self._links[number].stiffness @ own
-            correction = np.zeros((batch, own.shape[1]))
+            basis, batch = self._bases[number], len(places[number])
+            stiffness = basis.T @ self._links[number].stiffness @ basis
+            correction = np.zeros((batch, basis.shape[1]))
             off_axis = any(body.is_off_axis for body in link.bodies)
             if not (link.rigid or off_axis or stretches[number].neutral_axis):
                 q = places[number].copy()
@@ -321,14 +321,14 @@ class StressHistory:
         """Add the strain energy of the stressed states, the work that led from one to the next."""
         first, count = 0, len(values) // len(self._bases)
         for number, basis in enumerate(self._bases):
-            own = slice(first, first + len(basis))
-            path = scipy.interpolate.CubicSpline(where, place[:, own])
+            columns = slice(first, first + len(basis))
+            path = scipy.interpolate.CubicSpline(where, place[:, columns])
             power = scipy.interpolate.CubicSpline(
-                where, np.sum(force[:, own] * path(where, 1), axis=1)
+                where, np.sum(force[:, columns] * path(where, 1), axis=1)
             )
-            energy = power.antiderivative()(where) + force[0, own] @ place[0, own] / 2
+            energy = power.antiderivative()(where) + force[0, columns] @ place[0, columns] / 2
             values[count * number + 2] += energy
-            first = own.stop
+            first = columns.stop
 
 
 def _sampled_times(drive: Drive) -> list[FloatArray]:
@@ -338,14 +338,14 @@ def _sampled_times(drive: Drive) -> list[FloatArray]:
     """
     if drive.is_constant:
         return [np.array([0.0, 1.0])]
-    corners, found = drive.corners, []
+    corners, times = drive.corners, []
     least = max(LEAST_OF_A_PIECE, SAMPLES_PER_TURN // (len(corners) - 1))
     for first, last in itertools.pairwise(corners.tolist()):
         angle = drive.crank_angle(np.linspace(first, last, SAMPLES_PER_TURN + 1))
         turns = float(np.abs(np.diff(angle)).sum()) / (2 * np.pi)
         count = max(least, int(np.ceil(SAMPLES_PER_TURN * turns))) if turns else 1
-        found.append(np.linspace(first, last, count + 1))
-    return found
+        times.append(np.linspace(first, last, count + 1))
+    return times
 
 
 def _joined(times: Sequence[FloatArray], values: FloatArray) -> scipy.interpolate.PPoly:

@@ -307,7 +307,7 @@ class MotorOnHub:
     def add_object(
         self,
         items: SystemItems,
-        own: list[ItemNumber],
+        nodes: list[ItemNumber],
         hub: ItemNumber,
         frame: ItemNumber | None = None,
     ) -> None:
@@ -316,7 +316,7 @@ class MotorOnHub:
         Parameters
         ----------
         items : SystemItems
-        own : list of ItemNumber
+        nodes : list of ItemNumber
             Its node, if it has one.
         hub : ItemNumber
             Node of the hub.
@@ -354,7 +354,7 @@ class MotorOnHub:
         items.add(
             "ObjectGenericODE2",
             "motor",
-            nodeNumbers=[*below, *own, hub],
+            nodeNumbers=[*below, *nodes, hub],
             massMatrix=mass,
             dampingMatrix=damping,
             stiffnessMatrix=stiffness,

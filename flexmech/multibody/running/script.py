@@ -54,7 +54,7 @@ class Brackets:
     @property
     def line(self) -> str:
         """All of it in one line."""
-        inside = ", ".join(_line(part) for part in self.parts)
+        inside = ", ".join(_line(entry) for entry in self.parts)
         comma = "," if self.opening == "(" and self.closing == ")" and self._is_single else ""
         return f"{self.prefix}{self.opening}{inside}{comma}{self.closing}"
 
@@ -66,8 +66,8 @@ class Brackets:
 Expression = str | Brackets
 
 
-def _line(part: Expression) -> str:
-    return part if isinstance(part, str) else part.line
+def _line(expression: Expression) -> str:
+    return expression if isinstance(expression, str) else expression.line
 
 
 def statement(lead: str, value: Expression, end: str = "", depth: int = 0) -> list[str]:
@@ -89,8 +89,8 @@ def statement(lead: str, value: Expression, end: str = "", depth: int = 0) -> li
     if len(whole) <= WIDTH or isinstance(value, str) or not value.parts:
         return [whole]
     lines = [f"{INDENT * depth}{lead}{value.prefix}{value.opening}"]
-    for part in value.parts:
-        lines += statement("", part, ",", depth + 1)
+    for entry in value.parts:
+        lines += statement("", entry, ",", depth + 1)
     return [*lines, f"{INDENT * depth}{value.closing}{end}"]
 
 

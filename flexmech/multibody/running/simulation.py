@@ -285,7 +285,7 @@ class Simulation:
         InputError
             If the start does not keep the joints together.
         """
-        batch = [[values[None] for values in part] for part in (start.displacement, start.rate)]
+        batch = [[values[None] for values in state] for state in (start.displacement, start.rate)]
         motion, moved = self._motion(np.zeros(1)), None
         if self.model.frame is not None:
             moved = start.moved

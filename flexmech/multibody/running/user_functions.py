@@ -59,16 +59,16 @@ class Shaft:
         number = bisect.bisect_right(self.pieces, t, key=lambda piece: piece[0])
         start, duration, polynomial, sines = self.pieces[max(number - 1, 0)]
         after = t - (start + duration) if number == len(self.pieces) else -1.0
-        part = 1.0 if after >= 0 else (t - start) / duration
+        fraction = 1.0 if after >= 0 else (t - start) / duration
         angle, speed, gain = 0.0, 0.0, 0.0
         for coefficient in reversed(polynomial):
-            gain = gain * part + 2 * speed
-            speed = speed * part + angle
-            angle = angle * part + coefficient
+            gain = gain * fraction + 2 * speed
+            speed = speed * fraction + angle
+            angle = angle * fraction + coefficient
         for size, rate, phase in sines:
-            angle += size * math.sin(rate * part + phase)
-            speed += size * rate * math.cos(rate * part + phase)
-            gain -= size * rate**2 * math.sin(rate * part + phase)
+            angle += size * math.sin(rate * fraction + phase)
+            speed += size * rate * math.cos(rate * fraction + phase)
+            gain -= size * rate**2 * math.sin(rate * fraction + phase)
         angle += self.start_angle
         if after < 0:
             return angle, speed / duration, gain / duration**2
