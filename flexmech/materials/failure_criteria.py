@@ -324,14 +324,18 @@ def _hashin(own: PlyStrength) -> FailureCriterion:
     )
 
 
-def _puck(own: PlyStrength) -> FailureCriterion:
+def _puck(strength: PlyStrength) -> FailureCriterion:
     """Fibre failure by the stress along the fibres; inter-fibre failure by modes A, B and C.
 
     VDI 2014 part 3 in plane stress, the inclinations of shear across the fibres coupled to those
     along them: ``p_nn / R_nn = p_compression / S12``.
     """
-    s12, yt, yc = own.in_plane_shear, own.transverse_tension, own.transverse_compression
-    tension, compression = (own.needed(name, "puck") for name in INCLINATIONS)
+    s12, yt, yc = (
+        strength.in_plane_shear,
+        strength.transverse_tension,
+        strength.transverse_compression,
+    )
+    tension, compression = (strength.needed(name, "puck") for name in INCLINATIONS)
     # Resistance of the plane across the fibres to shear, and shear at which mode C begins.
     across = s12 / (2 * compression) * (np.sqrt(1 + 2 * compression * yc / s12) - 1)
     coupled = compression * across / s12
@@ -347,8 +351,8 @@ def _puck(own: PlyStrength) -> FailureCriterion:
 
     pull = (1 - tension * yt / s12) / yt
     modes = (
-        FailureMode("fibre tension", _NONE, _along(0) / own.longitudinal_tension),
-        FailureMode("fibre compression", _NONE, -_along(0) / own.longitudinal_compression),
+        FailureMode("fibre tension", _NONE, _along(0) / strength.longitudinal_tension),
+        FailureMode("fibre compression", _NONE, -_along(0) / strength.longitudinal_compression),
         FailureMode(
             "inter-fibre, mode A",
             np.diag([0, pull**2 - (tension / s12) ** 2, s12**-2]),

@@ -128,17 +128,17 @@ def parse_stacking(text: str) -> list[tuple[str, float | None]]:
     layers: list[tuple[str, float | None]] = []
     copies = 2 if whole["mirror"] else 1
     for item in whole["inside"].split("/"):
-        found = _ITEM.fullmatch(item)
-        if found is None:
+        match = _ITEM.fullmatch(item)
+        if match is None:
             raise InputError(f"got {text!r}, where {item.strip()!r} is no layer; {_EXAMPLE}")
-        count = int(found["count"] or 1)
+        count = int(match["count"] or 1)
         if count < 1 or copies * (len(layers) + count) > MOST_LAYERS:
             raise InputError(
                 f"got {text!r}: a layer is repeated once or more, and a stack has at most "
                 f"{MOST_LAYERS} layers; write fewer"
             )
-        angle = None if found["angle"] is None else float(parse_number(found["angle"]))
-        layers += [(found["ply"], angle)] * count
+        angle = None if match["angle"] is None else float(parse_number(match["angle"]))
+        layers += [(match["ply"], angle)] * count
     return layers + layers[::-1] if whole["mirror"] else layers
 
 

@@ -172,8 +172,8 @@ def woven_ply(unidirectional: Ply) -> Ply:
     loss = unidirectional.specific_damping
     stretched = float((energy[0] * loss.longitudinal + energy[1] * loss.transverse) / energy.sum())
 
-    def expanded(own: tuple[float, float]) -> tuple[float, float]:
-        pull = (stiffness[:2, :2] @ np.array(own)).mean()
+    def expanded(directions: tuple[float, float]) -> tuple[float, float]:
+        pull = (stiffness[:2, :2] @ np.array(directions)).mean()
         both = float(pull / (direct + cross))
         return both, both
 
@@ -312,7 +312,7 @@ def propagated_uncertainty(
     121.9 +/- 12.0 GPa
     """
     parts = uncertainty_parts(function, constituents)
-    return float(np.sqrt(sum(float(part) ** 2 for part in parts.values())))
+    return float(np.sqrt(sum(float(contribution) ** 2 for contribution in parts.values())))
 
 
 def uncertainty_parts(

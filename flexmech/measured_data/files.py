@@ -181,15 +181,15 @@ def _columns(table: list[tuple[int, list[str]]], source: str) -> list[_Column]:
     if twice is not None:
         raise InputError(f"{source}: two columns are named {twice!r}; name each differently")
     parts = zip(titles, headers, cells, strict=True)
-    return [_Column(title.strip(), header, own, lines) for title, header, own in parts]
+    return [_Column(title.strip(), header, values, lines) for title, header, values in parts]
 
 
 def _abscissa(columns: list[_Column], source: str) -> tuple[Abscissa, _Column]:
     """Abscissa of the record, and its column."""
 
     def first(unit: str, word: str) -> _Column | None:
-        own = [c for c in columns if c.header.unit == unit and word in c.header.name.lower()]
-        return own[0] if own else None
+        candidates = [c for c in columns if c.header.unit == unit and word in c.header.name.lower()]
+        return candidates[0] if candidates else None
 
     time = first("s", "time") or first("s", "t")
     angle, frequency = first("rad", "angle"), first("Hz", "freq") or first("Hz", "f")
@@ -241,11 +241,11 @@ def _with_complex(quantities: list[MeasuredQuantity]) -> tuple[MeasuredQuantity,
     by_name = {quantity.name: quantity for quantity in quantities}
     found = []
     for quantity in quantities:
-        stem, part = quantity.name[:-5], quantity.name[-5:].lower()
-        other = by_name.get(stem + _PARTS[1 - _PARTS.index(part)]) if part in _PARTS else None
+        stem, ending = quantity.name[:-5], quantity.name[-5:].lower()
+        other = by_name.get(stem + _PARTS[1 - _PARTS.index(ending)]) if ending in _PARTS else None
         if other is None or other.unit != quantity.unit:
             found.append(quantity)
-        elif part == _PARTS[0]:
+        elif ending == _PARTS[0]:
             values = np.asarray(quantity.values + 1j * other.values, dtype=complex)
             found.append(MeasuredQuantity(stem, quantity.unit, values, stem))
     return tuple(found)

@@ -142,10 +142,10 @@ def _unit(text: str, header: str, name: str = "") -> tuple[str, float]:
         unit = "microstrain"
     if unit and unit in _KNOWN:
         return _KNOWN[unit]
-    found = base_units(unit) if unit else None
-    if found is None:
+    known = base_units(unit) if unit else None
+    if known is None:
         raise InputError(
             f"the unit {text.strip()!r} of the column {header!r} is unknown; write one such as s, "
             "mm, um/m, deg or m/N in brackets behind the name, and [-] for a ratio"
         )
-    return _SI_NAMES.get(found.name, found.name), float(found.factor)
+    return _SI_NAMES.get(known.name, known.name), float(known.factor)

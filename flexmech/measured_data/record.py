@@ -162,20 +162,20 @@ def _samples(values: Any, name: str, unit: str) -> FloatArray | NDArray[np.compl
         complex_ = np.iscomplexobj(values)
     except (TypeError, ValueError):  # lists of different lengths, or a dataset
         complex_ = False
-    found: FloatArray | NDArray[np.complex128]
+    samples: FloatArray | NDArray[np.complex128]
     if complex_:
         real, imaginary = np.real(values), np.imag(values)
-        found = checked_array(real, name, unit) + 1j * checked_array(imaginary, name, unit)
+        samples = checked_array(real, name, unit) + 1j * checked_array(imaginary, name, unit)
     else:
-        found = checked_array(values, name, unit)
-    if found.ndim != 1:
-        raise InputError(f"{name} must be a row of numbers, got an array of shape {found.shape}")
-    if float(np.abs(found).max(initial=0.0)) > GREATEST:
+        samples = checked_array(values, name, unit)
+    if samples.ndim != 1:
+        raise InputError(f"{name} must be a row of numbers, got an array of shape {samples.shape}")
+    if float(np.abs(samples).max(initial=0.0)) > GREATEST:
         raise InputError(
-            f"{name} reaches {np.abs(found).max():.3g} {unit}".rstrip()
+            f"{name} reaches {np.abs(samples).max():.3g} {unit}".rstrip()
             + ", more than anything that is measured; correct the values or their unit"
         )
-    return found
+    return samples
 
 
 def sampling_interval(time: FloatArray, source: str = "record", rounding: float = 0.0) -> float:

@@ -270,9 +270,9 @@ def _joined(groups: Sequence[UffNodes]) -> UffNodes | None:
     if not groups:
         return None
     return UffNodes(
-        np.concatenate([each.label for each in groups]),
-        np.concatenate([each.position for each in groups]),
-        np.concatenate([each.frame for each in groups]),
+        np.concatenate([group.label for group in groups]),
+        np.concatenate([group.position for group in groups]),
+        np.concatenate([group.frame for group in groups]),
     )
 
 

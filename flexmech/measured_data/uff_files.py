@@ -170,9 +170,11 @@ def read_uff_record(path: str | PathLike[str]) -> MeasuredRecord:
         As of :func:`read_uff`; or the file holds no functions over time or frequency.
     """
     contents = read_uff(path)
-    responses = [each for each in contents.functions if each.kind == "frequency response"]
+    responses = [
+        function for function in contents.functions if function.kind == "frequency response"
+    ]
     over = "frequency" if responses else "time"
-    taken = [each for each in contents.functions if each.abscissa == over]
+    taken = [function for function in contents.functions if function.abscissa == over]
     if not taken:
         raise InputError(
             f"{path}: holds no function over time or frequency (data set 58); export the records "
@@ -180,22 +182,22 @@ def read_uff_record(path: str | PathLike[str]) -> MeasuredRecord:
         )
     position = (responses or taken)[0].position
     quantities, unreadable = [], {}
-    for name, each in zip(_names(taken), taken, strict=True):
-        if each.unit is None:
-            unreadable[name] = f"{path}: the function {name!r} {each.problem or 'has no unit'}"
-        elif not _same(each.position, position):
+    for name, function in zip(_names(taken), taken, strict=True):
+        if function.unit is None:
+            unreadable[name] = f"{path}: the function {name!r} {function.problem or 'has no unit'}"
+        elif not _same(function.position, position):
             unreadable[name] = (
                 f"{path}: the function {name!r} has another {over} than the first; export it alone"
             )
-        elif not np.all(np.isfinite(each.values)):
+        elif not np.all(np.isfinite(function.values)):
             unreadable[name] = f"{path}: the function {name!r} has gaps; export it without"
-        elif np.abs(each.values).max(initial=0.0) > GREATEST:
+        elif np.abs(function.values).max(initial=0.0) > GREATEST:
             unreadable[name] = (
                 f"{path}: the function {name!r} has values beyond all that is measured; export it "
                 "in other units"
             )
         else:
-            quantities.append(MeasuredQuantity(name, each.unit, each.values, name))
+            quantities.append(MeasuredQuantity(name, function.unit, function.values, name))
     return MeasuredRecord(
         "frequency" if responses else "time", position, tuple(quantities), str(path), unreadable
     )
@@ -203,11 +205,11 @@ def read_uff_record(path: str | PathLike[str]) -> MeasuredRecord:
 
 def _names(functions: list[UffFunction]) -> list[str]:
     """A name for each function."""
-    names = ["_".join(each.name.split()) for each in functions]
+    names = ["_".join(function.name.split()) for function in functions]
     count = Counter(names)
     return [
-        name if name and count[name] == 1 else _by_nodes(each)
-        for name, each in zip(names, functions, strict=True)
+        name if name and count[name] == 1 else _by_nodes(function)
+        for name, function in zip(names, functions, strict=True)
     ]
 
 

@@ -67,8 +67,8 @@ class ForceWindow:
         """
         if self.taper == 0.0:
             return (np.asarray(time) <= self.length).astype(float)
-        part = np.clip((np.asarray(time) - self.length) / self.taper, 0.0, 1.0)
-        window: FloatArray = 0.5 * (1.0 + np.cos(np.pi * part))
+        fraction = np.clip((np.asarray(time) - self.length) / self.taper, 0.0, 1.0)
+        window: FloatArray = 0.5 * (1.0 + np.cos(np.pi * fraction))
         return window
 
 

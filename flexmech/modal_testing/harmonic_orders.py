@@ -99,19 +99,19 @@ def estimate_harmonics(
             "them over the period"
         )
     measured = _at(response, output).T[..., None]
-    found = np.linalg.pinv(scaled) @ measured
-    rest = measured - scaled @ found
+    coefficients = np.linalg.pinv(scaled) @ measured
+    rest = measured - scaled @ coefficients
     misfit = float(np.linalg.norm(rest) / np.linalg.norm(measured))
-    found = found[..., 0] / size[:, 0]
+    coefficients = coefficients[..., 0] / size[:, 0]
     place = np.arange(bins) + reach + shift * orders[:, None]
-    answer = found[place, np.arange(len(orders))[:, None]]
+    answer = coefficients[place, np.arange(len(orders))[:, None]]
     return HarmonicEstimate(answer, condition, misfit if len(force) > len(orders) else 0.0)
 
 
 def _at(spectrum: ComplexArray, number: np.ndarray) -> ComplexArray:
     """Spectrum of real records at bins of either sign; (R, *number)."""
-    found = spectrum[:, np.abs(number)]
-    return np.where(number >= 0, found, found.conj())
+    values = spectrum[:, np.abs(number)]
+    return np.where(number >= 0, values, values.conj())
 
 
 def without_synchronous_average(

@@ -280,9 +280,9 @@ def mac(first: NDArray[Any], second: NDArray[Any]) -> FloatArray:
         raise InputError(
             f"shapes at {a.shape[0]} and at {b.shape[0]} points: give both at the same points"
         )
-    own = np.outer(np.sum(abs(a) ** 2, axis=0), np.sum(abs(b) ** 2, axis=0))
+    squares = np.outer(np.sum(abs(a) ** 2, axis=0), np.sum(abs(b) ** 2, axis=0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(abs(a.conj().T @ b) ** 2 / own)
+        return np.asarray(abs(a.conj().T @ b) ** 2 / squares)
 
 
 def complexity_factor(shape: NDArray[Any]) -> FloatArray:

@@ -67,8 +67,8 @@ def peaks(frequency: FloatArray, receptance: ComplexArray) -> IntArray:
     """
     amplitude = frequency * np.sqrt(np.mean(abs(receptance) ** 2, axis=0))
     level = np.log(np.maximum(amplitude, np.finfo(float).tiny))
-    found, about = find_peaks(level, prominence=np.log(LEAST_PROMINENCE))
-    return np.asarray(found[np.argsort(-about["prominences"], kind="stable")])
+    places, about = find_peaks(level, prominence=np.log(LEAST_PROMINENCE))
+    return np.asarray(places[np.argsort(-about["prominences"], kind="stable")])
 
 
 def highest_near(
@@ -100,8 +100,8 @@ def highest_near(
     near = np.flatnonzero(abs(frequency - about) < width * about)
     if near.size == 0:
         return near
-    found, _ = find_peaks(smooth[near])
-    highest = near[found[np.argsort(-smooth[near][found], kind="stable")][:most]]
+    maxima, _ = find_peaks(smooth[near])
+    highest = near[maxima[np.argsort(-smooth[near][maxima], kind="stable")][:most]]
     # Where two modes make one peak, one has no height of its own.
     return np.unique(np.append(highest, np.argmin(abs(frequency - about))))
 
@@ -428,7 +428,7 @@ def _with_peaks_left(
     s = added_damping + 2j * np.pi * frequency
     residue, outside = fit_residues(s, receptance, pole)
     left = receptance - modal_sum(s, pole, residue) - outside.at(s)
-    size, whole = (np.linalg.norm(each, axis=0) for each in (left, receptance))
+    size, whole = (np.linalg.norm(values, axis=0) for values in (left, receptance))
     at = peaks(frequency, left)
     great = at[size[at] > PEAK_LEFT * whole.max()][:MOST_PEAKS]
     known = np.asarray(abs(pole) / (2 * np.pi), dtype=float)

@@ -114,11 +114,11 @@ def lscf_poles(
                 f"models of up to {orders} modes have no unique fit: the records show fewer modes, "
                 "without noise; ask for fewer orders or a narrower band"
             ) from error
-    found = []
+    of_orders = []
     for poles in model.all_poles:
         hertz = abs(poles) / (2 * np.pi)
-        found.append(poles[(poles.imag > 0.0) & (hertz >= band[0]) & (hertz <= band[1])])
-    return found
+        of_orders.append(poles[(poles.imag > 0.0) & (hertz >= band[0]) & (hertz <= band[1])])
+    return of_orders
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +180,7 @@ def stabilisation_chart(poles: Sequence[ComplexArray], added_damping: float) -> 
         # A growing term is no mode of a structure that was hit.
         same_pole.append((near & alike).any(axis=1) & (now.real < 0.0))
         before = now
-    order = np.repeat(np.arange(1, len(poles) + 1), [each.size for each in poles])
+    order = np.repeat(np.arange(1, len(poles) + 1), [of_order.size for of_order in poles])
     pole = np.concatenate(poles) if poles else before
     stable = np.concatenate(same_pole) if poles else np.zeros(0, dtype=bool)
     return StabilisationChart(

@@ -123,8 +123,8 @@ class FrfNoise:
             return np.zeros((len(rows), 0))
         kept = np.flatnonzero(self.force_window)
         turn = np.exp(-2j * np.pi / self.force_window.size * np.outer(self.line, kept))
-        found = (_coefficients(rows) * receptance / self.force) @ turn
-        return np.asarray(found.real * self.force_window[kept])
+        noise = (_coefficients(rows) * receptance / self.force) @ turn
+        return np.asarray(noise.real * self.force_window[kept])
 
     def covariance(
         self, rows: FloatArray, receptance: ComplexArray, response_level: float

@@ -56,7 +56,7 @@ def refined_poles(s: ComplexArray, receptance: ComplexArray, pole: ComplexArray)
     while kept.size:
         first = pole[kept]
         problem = _Projection(s, receptance, np.asarray(abs(first), dtype=float))
-        found = least_squares(
+        solution = least_squares(
             problem.residual,
             problem.parameters(first),
             jac=problem.derivative,
@@ -64,7 +64,7 @@ def refined_poles(s: ComplexArray, receptance: ComplexArray, pole: ComplexArray)
             max_nfev=MOST_STEPS,
             x_scale="jac",
         )
-        last = problem.poles(found.x)
+        last = problem.poles(solution.x)
         way = np.where(last.real < s.real.min(), abs(last - first) / abs(first), np.inf)
         if np.all(way < FAR):
             refined[kept] = last
@@ -160,16 +160,16 @@ def _significance(
 ) -> FloatArray:
     """Squares of each pole's residues over their covariance by noise, added up; shape (k,)."""
     fit = _LinearFit(s, receptance, pole, noise)
-    found = np.zeros(pole.size)
+    significance = np.zeros(pole.size)
     for number in range(pole.size):
         rows = fit.rows([number, pole.size + number])
         seen = noise.of_response(rows)
-        for values, level, each in zip(fit.values.T, fit.levels, receptance, strict=True):
-            hit = noise.force_level * noise.of_force(rows, each)
+        for values, level, row in zip(fit.values.T, fit.levels, receptance, strict=True):
+            hit = noise.force_level * noise.of_force(rows, row)
             covariance = level**2 * (seen @ seen.T) + hit @ hit.T
             size = rows @ values
-            found[number] += size @ np.linalg.solve(covariance, size)
-    return found
+            significance[number] += size @ np.linalg.solve(covariance, size)
+    return significance
 
 
 def pole_covariance(
@@ -206,8 +206,8 @@ def pole_covariance(
         for point in range(len(receptance))
     )
     pairs = np.asarray(whole).reshape(2, pole.size, 2, pole.size)
-    each = np.arange(pole.size)
-    return np.asarray(pairs[:, each, :, each] * (size**2)[:, None, None])
+    number = np.arange(pole.size)
+    return np.asarray(pairs[:, number, :, number] * (size**2)[:, None, None])
 
 
 class _LinearFit:
@@ -225,8 +225,8 @@ class _LinearFit:
         # Where as many numbers are fitted as there are, nothing is known of the noise.
         free = max(remaining - 2 * pole.size, 1) / max(remaining, 1)
         self.levels = [
-            noise.response_level(rest, self._basis, each, free)
-            for rest, each in zip(left.T, receptance, strict=True)
+            noise.response_level(rest, self._basis, row, free)
+            for rest, row in zip(left.T, receptance, strict=True)
         ]
 
     def rows(self, numbers: list[int]) -> FloatArray:

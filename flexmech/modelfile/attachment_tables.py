@@ -85,12 +85,12 @@ class JointTable(base.RecordTable, of=(JointSpring, JointPin), required=()):
 
     def eye_sizes(self, link: str) -> dict[str, float]:
         """What is stated of the eye of a link, or of all links alike."""
-        found: dict[str, float] = {}
+        sizes: dict[str, float] = {}
         for name, key in EYE_KEYS.items():
             size = getattr(self, key)
-            own = size.get(link) if isinstance(size, Mapping) else size
-            found |= {} if own is None else {name: own}
-        return found
+            size_here = size.get(link) if isinstance(size, Mapping) else size
+            sizes |= {} if size_here is None else {name: size_here}
+        return sizes
 
 
 EYE_KEYS = {name: f"eye_{name}" for name in EYE_SIZES}

@@ -159,7 +159,7 @@ def _corners(link: str, tables: ModelFile, places: LinkPlaces) -> Corners:
         x, y = point.made(CouplerPoint).place.tolist()
         return (0.0, 0.0), (beam.length, 0.0), (x, y)
     if isinstance(linkage, PlanarLinkage):
-        names = next(own.points for own in linkage.links if own.name == link)
+        names = next(beam.points for beam in linkage.links if beam.name == link)
         first, second, *others = (complex(*linkage.points[name]) for name in names)
         if len(others) == 1:
             third = (others[0] - first) * beam.length / (second - first)
@@ -186,14 +186,14 @@ def joint_springs(
     -------
     tuple of JointSpring
     """
-    found: list[JointSpring] = []
+    joint_springs: list[JointSpring] = []
     for name, joint in tables.joints.items():
         with findings.at(f"joints.{name}"):
             # The message on a joint that does not exist names all its keys.
             if joint.has_spring and name in topology.joint_names:
-                own = [joint.made(JointSpring, joint=name)]
-                found += checked_parts(topology, "joint_springs", own)
-    return tuple(found)
+                stated = [joint.made(JointSpring, joint=name)]
+                joint_springs += checked_parts(topology, "joint_springs", stated)
+    return tuple(joint_springs)
 
 
 def springs(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tuple[Spring, ...]:
@@ -210,12 +210,12 @@ def springs(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tuple[
     -------
     tuple of Spring
     """
-    found = []
+    springs = []
     for name, table in tables.springs.items():
         with findings.at(f"springs.{name}"):
             first, second = (_spring_end(end, tables, places) for end in table.points)
-            found.append(table.made(Spring, name=name, first=first, second=second))
-    return tuple(found)
+            springs.append(table.made(Spring, name=name, first=first, second=second))
+    return tuple(springs)
 
 
 def _spring_end(
@@ -266,14 +266,14 @@ def loads(
     -------
     tuple of Load
     """
-    found = []
+    loads = []
     for name, table in tables.loads.items():
         with findings.at(f"loads.{name}"):
             point = _load_point(table, places)
             at, rows = load_rows(table, folder)
             _check_increasing(table, at)
             _check_moved(table, rows, places)
-            found.append(
+            loads.append(
                 Load(
                     name,
                     point,
@@ -284,7 +284,7 @@ def loads(
                     at,
                 )
             )
-    return tuple(found)
+    return tuple(loads)
 
 
 def _load_point(table: LoadTable, places: LinkPlaces) -> AttachmentPoint:
@@ -405,11 +405,11 @@ def _append(
 
 
 def _sized(value: object, dimension: Dimension) -> float:
-    found = parse_quantity(value, dimension)
+    size = parse_quantity(value, dimension)
     plausible: Plausible | None = LOAD if dimension is FORCE else of_dimension(dimension)
     if plausible is not None:
-        check_plausible(found, value, plausible)
-    return found
+        check_plausible(size, value, plausible)
+    return size
 
 
 def _of_file(
@@ -425,6 +425,6 @@ def _of_file(
     rows: Rows = []
     for number, line in enumerate(lines, start=2):
         where = f"file {shown}: line {number}"
-        own = zip(line, (unit, "N", "N", "N m"), strict=False)
-        _append(at, rows, [f"{cell} {of}" for cell, of in own], dimensions, where)
+        cells = zip(line, (unit, "N", "N", "N m"), strict=False)
+        _append(at, rows, [f"{cell} {of}" for cell, of in cells], dimensions, where)
     return tuple(at), rows

@@ -89,15 +89,15 @@ def build_mechanism(
     )
     sections = {}
     for name in topology.link_names:
-        own = places.table_of(name, tables.links)
-        with findings.at(f"links.{own}"):
-            if own not in tables.links:
-                raise InputError(f"is missing; add a table [links.{own}] with its section")
-            table = tables.links[own]
+        table_name = places.table_of(name, tables.links)
+        with findings.at(f"links.{table_name}"):
+            if table_name not in tables.links:
+                raise InputError(f"is missing; add a table [links.{table_name}] with its section")
+            table = tables.links[table_name]
             if isinstance(table, RigidLinkTable):
                 continue
             # What is wrong with its laminate is told there.
-            known = _known_material(findings, own, table, tables)
+            known = _known_material(findings, table_name, table, tables)
             if known and getattr(table, "laminate", None) in {None, *laminates}:
                 sections[name] = _section(table, tables.materials, laminates)
     masses = point_masses(tables, places, findings)
@@ -178,7 +178,7 @@ def _drawn(tables: ModelFile, table: PlanarTable, findings: Findings) -> PlanarL
     # Points of the ground that springs alone use belong to them.
     used = {point for link in links for point in link.points}
     sprung_to = {
-        end for own in tables.springs.values() for end in own.points if isinstance(end, str)
+        end for spring in tables.springs.values() for end in spring.points if isinstance(end, str)
     }
     unused = (set(table.ground) & sprung_to) - used
     with findings.at("linkage"):
@@ -219,26 +219,26 @@ def _links(tables: ModelFile, findings: Findings) -> list[PlanarLink]:
 
 def _joints(tables: ModelFile, places: Collection[str], findings: Findings) -> list[PlanarJoint]:
     joints = []
-    for name, own in tables.joints.items():
+    for name, joint in tables.joints.items():
         with findings.at(f"joints.{name}"):
             drawn = PlanarJoint(
-                name, own.kind or "pin", tuple(own.links), own.direction, own.guide or ""
+                name, joint.kind or "pin", tuple(joint.links), joint.direction, joint.guide or ""
             )
-            _check_slider_keys(own)
+            _check_slider_keys(joint)
             # A table may be of a further joint at a point, which has a name but no kind.
             if name in places or drawn != PlanarJoint(name):
                 joints.append(drawn)
     return joints
 
 
-def _check_slider_keys(own: JointTable) -> None:
-    if own.inertia and own.kind != "slider":
+def _check_slider_keys(joint: JointTable) -> None:
+    if joint.inertia and joint.kind != "slider":
         raise InputError(
             "inertia belongs to a slider; give another joint's body to a link, in its bodies"
         )
-    if own.offset is not None and own.kind != "slider":
+    if joint.offset is not None and joint.kind != "slider":
         raise InputError("offset belongs to a slider; leave it out of another joint")
-    if own.inertia and not own.guide:
+    if joint.inertia and not joint.guide:
         raise InputError("a slider on the ground does not turn; leave its inertia out")
 
 

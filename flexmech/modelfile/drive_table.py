@@ -115,13 +115,13 @@ class SpeedControlTable(base.Table):
 
 def _quantity(value: object, dimension: Dimension, key: str) -> float:
     try:
-        found = parse_quantity(value, dimension)
+        quantity = parse_quantity(value, dimension)
         plausible = of_dimension(dimension)
         if plausible is not None:
-            check_plausible(found, value, plausible)
+            check_plausible(quantity, value, plausible)
     except InputError as error:
         raise error.within(key) from error
-    return found
+    return quantity
 
 
 def _row(number: int, row: list[str | float]) -> tuple[float, float]:
@@ -318,15 +318,15 @@ class DriveTable(base.Table):
 
 
 def _shaper(rows: list[list[str | float]]) -> InputShaper:
-    found = []
+    impulses = []
     for number, row in enumerate(rows):
         if len(row) != 2:
             raise InputError(f"[{number}]: got {len(row)} values; give time and weight")
         try:
-            found.append((parse_quantity(row[0], TIME), parse_quantity(row[1], RATIO)))
+            impulses.append((parse_quantity(row[0], TIME), parse_quantity(row[1], RATIO)))
         except InputError as error:
             raise error.within(f"[{number}]") from error
-    return InputShaper(tuple(time for time, _ in found), tuple(weight for _, weight in found))
+    return InputShaper(tuple(time for time, _ in impulses), tuple(weight for _, weight in impulses))
 
 
 def _shown(table: str | list[list[str | float]]) -> str:
@@ -339,17 +339,17 @@ def _rows(
     """Times, or angles of the master shaft, and crank angles."""
     if isinstance(table, str):
         return _rows_of_file(table, first, folder)
-    found = []
+    rows = []
     for number, row in enumerate(table):
         if len(row) != 2:
             raise InputError(
                 f"[{number}]: got {len(row)} values; give {_first_word(first)} and crank angle"
             )
         try:
-            found.append((_sized(row[0], first), _sized(row[1], ANGLE)))
+            rows.append((_sized(row[0], first), _sized(row[1], ANGLE)))
         except InputError as error:
             raise error.within(f"[{number}]") from error
-    return found
+    return rows
 
 
 def _rows_of_file(shown: str, first: Dimension, folder: Path) -> list[tuple[float, float]]:
@@ -368,7 +368,7 @@ def _rows_of_file(shown: str, first: Dimension, folder: Path) -> list[tuple[floa
             f"{example},crank_angle_deg; {other}"
         )
     check_rows(lines, titles, shown)
-    found = []
+    rows = []
     for number, line in enumerate(lines, start=2):
         try:
             place, angle = (
@@ -377,8 +377,8 @@ def _rows_of_file(shown: str, first: Dimension, folder: Path) -> list[tuple[floa
             )
         except InputError as error:
             raise error.within(f"file {shown}: line {number}") from error
-        found.append((place, angle))
-    return found
+        rows.append((place, angle))
+    return rows
 
 
 def _first_word(first: Dimension) -> str:
@@ -394,8 +394,8 @@ def _unit(title: str) -> tuple[str, str]:
 
 
 def _sized(value: object, dimension: Dimension) -> float:
-    found = parse_quantity(value, dimension)
+    size = parse_quantity(value, dimension)
     plausible = of_dimension(dimension)
     if plausible is not None:
-        check_plausible(found, value, plausible)
-    return found
+        check_plausible(size, value, plausible)
+    return size

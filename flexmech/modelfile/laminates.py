@@ -60,9 +60,9 @@ def build_laminates(tables: ModelFile, findings: Findings) -> dict[str, Laminate
     laminates = {}
     for name, laminate in tables.laminates.items():
         with findings.at(f"laminates.{name}"):
-            found = _laminate(laminate, plies, tables.plies)
-            if found is not None:
-                laminates[name] = found
+            built = _laminate(laminate, plies, tables.plies)
+            if built is not None:
+                laminates[name] = built
     return laminates
 
 

@@ -39,7 +39,7 @@ class LinkPlaces:
 
     def parent(self, beam: str) -> str:
         """Link of the file that a beam belongs to."""
-        return next(name for name in self.names if beam in [own.name for own in self.beams[name]])
+        return next(name for name in self.names if beam in [link.name for link in self.beams[name]])
 
     def table_of(self, beam: str, tables: Mapping[str, LinkTable]) -> str:
         """Name of the table of a beam: its own where there is one, or that of its link."""
@@ -145,7 +145,7 @@ def joint_pins(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tup
     tuple of JointPin
     """
     topology = places.linkage.topology
-    found: list[JointPin] = []
+    pins: list[JointPin] = []
     for name, joint in tables.joints.items():
         with findings.at(f"joints.{name}"):
             # The message on a joint that does not exist names all its keys.
@@ -160,14 +160,14 @@ def joint_pins(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tup
                 for beam, parent in zip(beams, parents, strict=True)
             )
             pin = joint.made(JointPin, joint=name, eyes=eyes)
-            found += checked_parts(topology, "joint_pins", [pin])
+            pins += checked_parts(topology, "joint_pins", [pin])
             for key, link in _named(joint):
                 known = list(dict.fromkeys([*parents, *beams]))
                 if link not in known:
                     raise InputError(f"ends elsewhere; {suggestion(link, known)}").within(
                         f"{key}.{link}"
                     )
-    return tuple(found)
+    return tuple(pins)
 
 
 def _named(joint: JointTable) -> Iterator[tuple[str, str]]:

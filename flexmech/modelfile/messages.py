@@ -169,12 +169,12 @@ def together(file: str, findings: Sequence[str]) -> InputError:
     InputError
         Those beyond the first ten are counted.
     """
-    told = [one_line(finding, MOST_CHARACTERS) for finding in dict.fromkeys(findings)]
-    if len(told) == 1:
-        return InputError(f"{file}: {told[0]}")
-    listed = " | ".join(told[:MOST_TOLD])
-    more = f" | and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
-    return InputError(f"{file}: {len(told)} errors: {listed}{more}")
+    messages = [one_line(finding, MOST_CHARACTERS) for finding in dict.fromkeys(findings)]
+    if len(messages) == 1:
+        return InputError(f"{file}: {messages[0]}")
+    listed = " | ".join(messages[:MOST_TOLD])
+    more = f" | and {len(messages) - MOST_TOLD} more" if len(messages) > MOST_TOLD else ""
+    return InputError(f"{file}: {len(messages)} errors: {listed}{more}")
 
 
 def _dotted_key(finding: ErrorDetails, data: Mapping[str, Any]) -> str:

@@ -115,26 +115,26 @@ def motor_catalogue(file: str | PathLike[str]) -> tuple[CatalogueMotor, ...]:
 
 def _columns(titles: list[str], shown: str) -> dict[str, tuple[str, str]]:
     """Title and unit of each column that is known, by its name."""
-    found: dict[str, tuple[str, str]] = {}
+    columns: dict[str, tuple[str, str]] = {}
     for title in titles:
         match = _TITLE.fullmatch(title)
         # Words of a title may be joined in any way.
         name = "" if match is None else re.sub(r"[ -]+", "_", match["name"].strip())
         if match is None or name not in {"name", *_COLUMNS}:
             continue
-        if name in found:
+        if name in columns:
             raise InputError(f"file {shown}: the column {name} stands twice; keep one")
         unit = match["unit"] or ""
         if name in _NEEDED and not unit:
             example = f"{name} ({_NEEDED[name].unit})"
             raise InputError(f"file {shown}: {name} has no unit; write it as in {example!r}")
-        found[name] = title, unit
+        columns[name] = title, unit
     for name in ("name", *_NEEDED):
-        if name not in found:
+        if name not in columns:
             raise InputError(
                 f"file {shown}: the column {name} is missing; begin the file as in {EXAMPLE!r}"
             )
-    return found
+    return columns
 
 
 def _motor(cells: dict[str, str], columns: dict[str, tuple[str, str]]) -> CatalogueMotor:

@@ -144,9 +144,9 @@ def _answered(ask: Callable[[str, str], str], size: Size, usual: str) -> str:
 
 def _stated(text: str) -> dict[str, str]:
     """Values of a template by their dotted keys, as they are written."""
-    found: dict[str, str] = {}
-    _walk(text, lambda key, value: found.setdefault(key, value))
-    return found
+    values: dict[str, str] = {}
+    _walk(text, lambda key, value: values.setdefault(key, value))
+    return values
 
 
 def _filled(text: str, values: Mapping[str, str]) -> str:
@@ -157,14 +157,14 @@ def _filled(text: str, values: Mapping[str, str]) -> str:
 def _walk(text: str, change: Callable[[str, str], str]) -> str:
     table, lines = "", []
     for line in text.split("\n"):
-        if own := _TABLE.match(line):
-            table = f"{own['name']}."
-        if own := _VALUE.match(line):
-            written = f"{own['key']} = {change(table + own['key'], own['value'])}"
+        if match := _TABLE.match(line):
+            table = f"{match['name']}."
+        if match := _VALUE.match(line):
+            written = f"{match['key']} = {change(table + match['key'], match['value'])}"
             # Comments stand in columns.
-            blanks = len(own["rest"]) - len(own["rest"].lstrip())
-            longer = len(written) - len(line) + len(own["rest"])
-            rest = own["rest"].lstrip()
+            blanks = len(match["rest"]) - len(match["rest"].lstrip())
+            longer = len(written) - len(line) + len(match["rest"])
+            rest = match["rest"].lstrip()
             line = f"{written}{' ' * max(1, blanks - longer)}{rest}" if rest else written
         lines.append(line)
     return "\n".join(lines)

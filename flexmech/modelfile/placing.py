@@ -141,7 +141,7 @@ class _Placing:
             self._check_drawn()
         for point in self.table.near:
             with self.findings.at(f"linkage.near.{point}"):
-                if point not in [own.point for own in self.twofold]:
+                if point not in [two_places.point for two_places in self.twofold]:
                     raise InputError(
                         "no lengths place this point in two ways; leave it out, or draw it in "
                         "[linkage.points] alone"
@@ -174,11 +174,11 @@ class _Placing:
     def _place(self, point: str) -> bool:
         """Whether a point could be placed."""
         lengths = list(self._lengths_to(point))
-        for own in lengths:
-            if (angle := self._angle(own.link)) is not None:
-                forward = self.links[own.link][1] == point
-                step = cmath.rect(own.length if forward else -own.length, angle)
-                self.places[point] = self.places[own.known] + step
+        for side in lengths:
+            if (angle := self._angle(side.link)) is not None:
+                forward = self.links[side.link][1] == point
+                step = cmath.rect(side.length if forward else -side.length, angle)
+                self.places[point] = self.places[side.known] + step
                 return True
         joint = self.tables.joints.get(point)
         line = None if joint is None or joint.kind != "slider" else self._line(joint)
@@ -218,14 +218,15 @@ class _Placing:
         along = cmath.rect(1.0, turn + (joint.direction or 0.0))
         return _Line(start + 1j * along * (joint.offset or 0.0), along)
 
-    def _on_line(self, point: str, own: _Length, line: _Line) -> tuple[complex, complex]:
+    def _on_line(self, point: str, side: _Length, line: _Line) -> tuple[complex, complex]:
         """Both points of a line at a length from the known end of a link."""
-        across = (self.places[own.known] - line.through) / line.along
-        foot, reach = line.through + across.real * line.along, _leg(own.length, across.imag)
+        across = (self.places[side.known] - line.through) / line.along
+        foot, reach = line.through + across.real * line.along, _leg(side.length, across.imag)
         if reach is None:
             raise InputError(
-                f"got {_mm(own.length)}, but the line of slider {point} is {_mm(abs(across.imag))} "
-                f"from {own.known}; lengthen the {own.link}, or change offset or drawn_at"
+                f"got {_mm(side.length)}, but the line of slider {point} is "
+                f"{_mm(abs(across.imag))} from {side.known}; lengthen the {side.link}, or change "
+                "offset or drawn_at"
             )
         return foot + reach * line.along, foot - reach * line.along
 
@@ -273,12 +274,12 @@ class _Placing:
     def _check_drawn(self) -> None:
         """Refuse lengths, angles and offsets that disagree with the places of points."""
         for name, ends in self.links.items():
-            if not all(each in self.places for each in ends):
+            if not all(point in self.places for point in ends):
                 continue
-            link, (start, end) = self.tables.links[name], (self.places[each] for each in ends)
+            link, (start, end) = self.tables.links[name], (self.places[point] for point in ends)
             length, apart = link.length or 0.0, end - start
             drawn = next(
-                (each for each in reversed(ends) if each not in self.table.ground), ends[1]
+                (point for point in reversed(ends) if point not in self.table.ground), ends[1]
             )
             remedy = f"leave {drawn} out of [linkage.points], or this key out here"
             with self.findings.at(f"links.{name}.length"):

@@ -365,33 +365,33 @@ def _read_where_same(
 
 def _of_table(inside: BaseModel, data: Mapping[str, Any]) -> Iterator[StatedField]:
     """Keys of what a table states, with the fields of quantities and the text of others."""
-    for name, own in data.items():
+    for name, value in data.items():
         field = type(inside).model_fields[name]
         annotation = Annotated[(field.annotation, *field.metadata)] if field.metadata else None
         if name in _LABELS:
             continue
-        for keys, stated in _of_value(annotation or field.annotation, getattr(inside, name), own):
+        for keys, stated in _of_value(annotation or field.annotation, getattr(inside, name), value):
             yield (name, *keys), stated
 
 
-def _of_value(annotation: Any, inside: Any, own: Any) -> Iterator[StatedField]:
+def _of_value(annotation: Any, inside: Any, value: Any) -> Iterator[StatedField]:
     """The same of the value of a field, whatever it is."""
     if isinstance(inside, BaseModel):
-        if isinstance(own, Mapping):
-            yield from _of_table(inside, own)
-    elif isinstance(own, Mapping) and isinstance(inside, Mapping):
-        for name, each in own.items():
-            for keys, stated in _of_value(_entries(annotation, dict), inside[name], each):
+        if isinstance(value, Mapping):
+            yield from _of_table(inside, value)
+    elif isinstance(value, Mapping) and isinstance(inside, Mapping):
+        for name, entry in value.items():
+            for keys, stated in _of_value(_entries(annotation, dict), inside[name], entry):
                 yield (name, *keys), stated
-    elif isinstance(own, list) and isinstance(inside, Sequence):
-        for number, (one, each) in enumerate(zip(inside, own, strict=True)):
-            for keys, stated in _of_value(_entries(annotation, list, tuple), one, each):
+    elif isinstance(value, list) and isinstance(inside, Sequence):
+        for number, (one, entry) in enumerate(zip(inside, value, strict=True)):
+            for keys, stated in _of_value(_entries(annotation, list, tuple), one, entry):
                 yield (str(number), *keys), stated
     else:
         mark = si.mark_of(annotation)
         if mark is None:
-            if isinstance(own, str):
-                yield (), own
+            if isinstance(value, str):
+                yield (), value
         elif mark.dimension is not TEMPERATURE and not isinstance(mark, si.WrittenField):
             yield (), mark
 
@@ -400,5 +400,5 @@ def _entries(annotation: Any, *kinds: type) -> Any:
     """Annotation of the entries of a list or a table by name."""
     for option in si.options(annotation):
         if get_origin(option) in kinds:
-            return [each for each in get_args(option) if each is not Ellipsis][-1]
+            return [kind for kind in get_args(option) if kind is not Ellipsis][-1]
     return Any

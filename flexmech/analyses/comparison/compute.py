@@ -123,13 +123,13 @@ class Comparison(Result):
         if name not in names:
             known = suggestion(name, names) if names else "nothing was fitted"
             raise InputError(f"{name!r} was not fitted: {known}")
-        own = self.dataset.isel(parameter=names.index(name))
+        parameter = self.dataset.isel(parameter=names.index(name))
         return FittedValue(
-            value=float(own["fitted"]),
-            unit=str(own["parameter_unit"].item()),
-            standard_error=float(own["standard_error"]),
-            lower=float(own["lower"]),
-            upper=float(own["upper"]),
+            value=float(parameter["fitted"]),
+            unit=str(parameter["parameter_unit"].item()),
+            standard_error=float(parameter["standard_error"]),
+            lower=float(parameter["lower"]),
+            upper=float(parameter["upper"]),
         )
 
     def tables(self) -> dict[str, pd.DataFrame]:
@@ -137,8 +137,12 @@ class Comparison(Result):
         data = self.dataset
         suffix = _SUFFIXES.get(str(data.attrs["unit"]), "")
         parts = ("_real", "_imag") if "measured_real" in data else ("",)
-        curves = {f"{curve}{part}{suffix}": f"{curve}{part}" for curve in CURVES for part in parts}
-        dimension, places = next((d, own) for d, own in _PLACES.items() if d in data.dims)
+        curves = {
+            f"{curve}{component}{suffix}": f"{curve}{component}"
+            for curve in CURVES
+            for component in parts
+        }
+        dimension, places = next((d, names) for d, names in _PLACES.items() if d in data.dims)
         return {
             self.stem: table_of(data, (dimension,), places | curves),
             "fit": table_of(data, ("parameter",), _FIT),

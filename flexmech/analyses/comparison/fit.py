@@ -206,7 +206,7 @@ def _nearest(
     x = start[sought] / scale[sought]
     if sought.any():
         bound = least[sought] / scale[sought]
-        found = scipy.optimize.least_squares(
+        fit = scipy.optimize.least_squares(
             left,
             np.maximum(x, bound),
             lambda x: _central(left, x, bound),
@@ -216,12 +216,12 @@ def _nearest(
             gtol=tolerance / 100,
             max_nfev=60,
         )
-        if not found.success:
+        if not fit.success:
             raise ComputationError(
                 f"the fit of {_names(parameters)} does not converge; fit fewer parameters, or give "
                 "a model nearer to what was measured"
             )
-        x = found.x
+        x = fit.x
     values = solved(x)
     # A linear parameter's own size is its scale: steps of differences are not lost in rounding.
     parameters = tuple(
@@ -261,14 +261,14 @@ def _judged(
         covariance = coloured
     reach = wider * quantile * error * scale
     spread = np.sum((measured - measured.mean(axis=1)[:, None]) ** 2)
-    own = np.sqrt(np.diagonal(covariance))
+    deviation = np.sqrt(np.diagonal(covariance))
     return Fit(
         parameters,
         values,
         wider * error * scale,
         values - reach,
         values + reach,
-        covariance / np.outer(own, own),
+        covariance / np.outer(deviation, deviation),
         computed,
         float(np.sum(residual**2) / spread),
         len(process),
@@ -310,9 +310,9 @@ def _uneven_covariance(jacobian: FloatArray, residual: FloatArray, unknowns: int
 
     H. White, Econometrica 48 (1980) 817-838.
     """
-    inverse, own = _inverse(jacobian), jacobian * residual.reshape(-1, 1)
+    inverse, weighted = _inverse(jacobian), jacobian * residual.reshape(-1, 1)
     freedom = max(residual.size - unknowns, 1)
-    return np.asarray(residual.size / freedom * inverse @ (own.T @ own) @ inverse)
+    return np.asarray(residual.size / freedom * inverse @ (weighted.T @ weighted) @ inverse)
 
 
 def _coloured_covariance(
@@ -354,7 +354,7 @@ def autoregression(residual: FloatArray) -> FloatArray:
     """
     most = min(_MOST_ORDER, residual.shape[1] // _SAMPLES_AN_ORDER)
     power = float(np.mean(residual**2))
-    own, chosen = np.zeros(0), np.zeros(0)
+    coefficients, chosen = np.zeros(0), np.zeros(0)
     if power <= 0:
         return chosen
     best = residual.size * np.log(power)
@@ -364,7 +364,9 @@ def autoregression(residual: FloatArray) -> FloatArray:
         if not both > 0:
             break
         reflection = float(2 * np.sum(ahead * behind) / both)
-        own = np.concatenate([own - reflection * own[::-1], [reflection]])
+        coefficients = np.concatenate(
+            [coefficients - reflection * coefficients[::-1], [reflection]]
+        )
         power *= 1 - reflection**2
         ahead, behind = (
             (ahead - reflection * behind)[:, 1:],
@@ -374,7 +376,7 @@ def autoregression(residual: FloatArray) -> FloatArray:
             break
         criterion = residual.size * np.log(power) + order * np.log(residual.size)
         if criterion < best:
-            best, chosen = criterion, own
+            best, chosen = criterion, coefficients
     return chosen
 
 

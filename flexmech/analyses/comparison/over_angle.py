@@ -73,8 +73,9 @@ class FrequencyProblem(RecordProblem):
     def linear_terms(self, values: Mapping[str, float]) -> LinearTerms:
         """Computed frequencies (N,); no gain is fitted to them."""
         engine = fitted_engine(self.engine, values)
-        found = _frequencies(engine, self.crank_speed, self.angle, int(self.mode.max()))
-        return LinearTerms({GAIN: np.asarray(found[np.arange(len(self.angle)), self.mode - 1])})
+        frequencies = _frequencies(engine, self.crank_speed, self.angle, int(self.mode.max()))
+        of_modes = frequencies[np.arange(len(self.angle)), self.mode - 1]
+        return LinearTerms({GAIN: np.asarray(of_modes)})
 
     def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
         """The dataset with crank angle and mode of each sample."""
@@ -165,13 +166,13 @@ def _column(record: MeasuredRecord, asked: str | None) -> str:
                 "in Hz is compared with natural frequencies"
             )
         return quantity.name
-    own = [quantity.name for quantity in record.quantities if quantity.unit == "Hz"]
-    if len(own) == 1:
-        return own[0]
-    if own:
+    names = [quantity.name for quantity in record.quantities if quantity.unit == "Hz"]
+    if len(names) == 1:
+        return names[0]
+    if names:
         raise InputError(
-            f"{record.source}: holds {len(own)} columns of frequencies; choose one by --quantity: "
-            f"{suggestion('frequency', own)}"
+            f"{record.source}: holds {len(names)} columns of frequencies; choose one by "
+            f"--quantity: {suggestion('frequency', names)}"
         )
     for name, reason in record.unreadable.items():
         if "freq" in name.lower():
@@ -186,9 +187,9 @@ def _at_speed(record: MeasuredRecord, speed: float, unit: str = RAD_S) -> IntArr
     """Rows that were taken at the crank speed asked for; all where the record does not tell."""
     if not record.has("crank_speed"):
         return np.arange(len(record.position))
-    own = np.asarray(record.quantity("crank_speed").values, dtype=float)
-    near = np.abs(own - speed) <= _SAME_SPEED * max(1.0, abs(speed))
-    known, asked = in_unit(own, unit), from_si(speed, unit)
+    speeds = np.asarray(record.quantity("crank_speed").values, dtype=float)
+    near = np.abs(speeds - speed) <= _SAME_SPEED * max(1.0, abs(speed))
+    known, asked = in_unit(speeds, unit), from_si(speed, unit)
     return rows_taken_at(record, near, known, asked, "speed", unit)
 
 
@@ -219,10 +220,10 @@ def _modes(
                 "them from 1 (1 for fundamental frequencies)"
             )
         return np.full(len(angle), int(apart.argmin()) + 1)
-    own = np.asarray(record.quantity("mode").values, dtype=float)[chosen]
-    if np.any(own != np.round(own)) or own.min() < 1 or own.max() > _MOST_MODE:
+    numbers = np.asarray(record.quantity("mode").values, dtype=float)[chosen]
+    if np.any(numbers != np.round(numbers)) or numbers.min() < 1 or numbers.max() > _MOST_MODE:
         raise InputError(
             f"{record.source}: the column 'mode' must number modes from 1 to {_MOST_MODE}; give "
             "the lowest natural frequency number 1"
         )
-    return own.astype(np.intp)
+    return numbers.astype(np.intp)

@@ -112,9 +112,9 @@ class ReceptanceProblem(RecordProblem):
             damping = 2 * without - damping
         rows = [point_rows(system, point, "transverse") for point in (self.response, self.impact)]
         matrices = (system.mass[0], damping, system.stiffness[0])
-        found = direct_receptance(*matrices, rows[0], rows[1], self.frequency)[:, 0, 0]
+        receptance = direct_receptance(*matrices, rows[0], rows[1], self.frequency)[:, 0, 0]
         rate = (2j * np.pi * self.frequency) ** _KINDS[self.unit][1]
-        return LinearTerms({GAIN: np.asarray(rate * found)})
+        return LinearTerms({GAIN: np.asarray(rate * receptance)})
 
     def _system(self, values: Mapping[str, float]) -> LinearSystem:
         """Equations of the locked linkage for values by name, damping times by their size."""
@@ -248,14 +248,14 @@ def _chosen(record: MeasuredRecord, asked: str | None) -> tuple[str | None, str 
 def _column(record: MeasuredRecord, name: str | None) -> MeasuredQuantity:
     """The complex quantity of a response over a force: that of a name, or the only one."""
     known = record.quantities if name is None else [record.quantity(name)]
-    own = [q for q in known if np.iscomplexobj(q.values)]
-    if len(own) > 1:
+    functions = [q for q in known if np.iscomplexobj(q.values)]
+    if len(functions) > 1:
         raise InputError(
-            f"{record.source}: holds {len(own)} frequency-response functions: "
-            f"{', '.join(q.name for q in own[:10])}; choose one with the points of its impact and "
-            f'response, as in --quantity "{own[0].name}@coupler:0.5,rocker:0.5"'
+            f"{record.source}: holds {len(functions)} frequency-response functions: "
+            f"{', '.join(q.name for q in functions[:10])}; choose one with the points of its "
+            f'impact and response, as in --quantity "{functions[0].name}@coupler:0.5,rocker:0.5"'
         )
-    if not own:
+    if not functions:
         parts = [n for n in record.unreadable if n.lower().endswith(("_real", "_imag"))]
         others = [n for n in record.unreadable if n.lower() not in COMPANIONS]
         for unreadable in (*parts, *others):
@@ -264,18 +264,20 @@ def _column(record: MeasuredRecord, name: str | None) -> MeasuredQuantity:
             f"{record.source}: holds no frequency-response function; give its real and "
             "imaginary part as two columns, such as receptance_real_m_N and receptance_imag_m_N"
         )
-    if own[0].unit not in _KINDS:
+    if functions[0].unit not in _KINDS:
         raise InputError(
-            f"{record.source}: {own[0].name!r} is in {own[0].unit or '1'}; give a displacement, "
-            "velocity or acceleration over a force, as m/N, m/(N s) or m/(N s^2)"
+            f"{record.source}: {functions[0].name!r} is in {functions[0].unit or '1'}; give a "
+            "displacement, velocity or acceleration over a force, as m/N, m/(N s) or m/(N s^2)"
         )
-    return own[0]
+    return functions[0]
 
 
 def _at_angle(record: MeasuredRecord, angle: float) -> IntArray:
     """Rows that were taken at the crank angle asked for; all where the record does not tell."""
     if not record.has("crank_angle"):
         return np.arange(len(record.position))
-    own = np.asarray(record.quantity("crank_angle").values, dtype=float)
-    near = np.abs(np.angle(np.exp(1j * (own - angle)))) <= _SAME_ANGLE
-    return rows_taken_at(record, near, np.degrees(own).round(6), np.degrees(angle), "angle", "deg")
+    angles = np.asarray(record.quantity("crank_angle").values, dtype=float)
+    near = np.abs(np.angle(np.exp(1j * (angles - angle)))) <= _SAME_ANGLE
+    return rows_taken_at(
+        record, near, np.degrees(angles).round(6), np.degrees(angle), "angle", "deg"
+    )

@@ -328,11 +328,12 @@ def _crank_angle(record: MeasuredRecord, speed: float, time: FloatArray) -> Floa
             f"{record.source}: {column.header!r} is no angle; give the crank angle in deg or rad, "
             "or leave its column out"
         )
-    own, start = np.polyfit(time, np.unwrap(np.asarray(column.values, dtype=float)), 1)
-    if abs(own - speed) > _SPEED_TOLERANCE * abs(speed):
+    recorded_speed, start = np.polyfit(time, np.unwrap(np.asarray(column.values, dtype=float)), 1)
+    if abs(recorded_speed - speed) > _SPEED_TOLERANCE * abs(speed):
         raise InputError(
-            f"{record.source}: its crank turns at {own:.5g} rad/s ({own * 30 / np.pi:.5g} rpm) by "
-            f"the column {column.header!r}, not at {CRANK_SPEED}; give that speed",
+            f"{record.source}: its crank turns at {recorded_speed:.5g} rad/s "
+            f"({recorded_speed * 30 / np.pi:.5g} rpm) by the column "
+            f"{column.header!r}, not at {CRANK_SPEED}; give that speed",
             crank_speed=speed,
         )
-    return np.asarray(start + own * time)
+    return np.asarray(start + recorded_speed * time)

@@ -337,7 +337,7 @@ class RecordProblem(ABC):
         for kind, choices in trials.items():
             if which := [name for name in names if name.startswith(kind)]:
                 start = {name: parameter.start for name, parameter in found.items()}
-                misfits = [self.misfit(start | dict.fromkeys(which, own)) for own in choices]
+                misfits = [self.misfit(start | dict.fromkeys(which, values)) for values in choices]
                 best = choices[int(np.argmin(misfits))]
                 found |= {name: replace(found[name], start=best) for name in which}
         return tuple(found.values())
@@ -378,8 +378,8 @@ class RecordProblem(ABC):
         """Values with the gain and the offset fitted, and the terms that they are factors of."""
         terms = self.linear_terms(values)
         names = [name for name in self.parameter_names if name in LINEAR]
-        found = terms.nearest(names, values, self.record) if names else {}
-        return {**values, **found}, terms
+        nearest = terms.nearest(names, values, self.record) if names else {}
+        return {**values, **nearest}, terms
 
 
 def comparison_dataset(
@@ -404,11 +404,11 @@ def comparison_dataset(
     variables: dict[str, Any] = {
         f"{name}{ending}": (
             problem.dimension,
-            part,
+            values,
             {"units": problem.unit or "1", "long_name": f"{name}{ending}".replace("_", " ")},
         )
         for name, curve in zip(CURVES, curves, strict=True)
-        for ending, part in zip(endings, curve, strict=True)
+        for ending, values in zip(endings, curve, strict=True)
     }
     for name in ("values", "standard_error", "lower", "upper"):
         variables["fitted" if name == "values" else name] = ("parameter", getattr(fit, name))

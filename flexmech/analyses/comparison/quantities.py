@@ -67,14 +67,14 @@ class Gauge:
 
 def gauges(engine: Engine) -> tuple[Gauge, ...]:
     """Gauges with which a record over time can be compared, as ``flexmech response`` names it."""
-    found = []
+    gauges = []
     names = engine.mechanism.linkage.topology.link_names
     for link, place in zip(names, probes(engine), strict=True):
         short = "mid" if place == "middle" else "tip"
-        found.append(Gauge(f"{link}_{short}_deflection", "deflection", link, place))
+        gauges.append(Gauge(f"{link}_{short}_deflection", "deflection", link, place))
         if place == "middle":
-            found.append(Gauge(f"{link}_mid_strain", "strain", link, place))
-    return tuple(found)
+            gauges.append(Gauge(f"{link}_mid_strain", "strain", link, place))
+    return tuple(gauges)
 
 
 def value_columns(record: MeasuredRecord) -> tuple[MeasuredQuantity, ...]:
@@ -161,23 +161,23 @@ def _column_for(record: MeasuredRecord, gauge: Gauge) -> MeasuredQuantity:
     """The record's column for a gauge: of its name, or the only one of its unit."""
     if gauge.name in (*record.names, *record.unreadable):
         return record.quantity(gauge.name)
-    own = [q for q in value_columns(record) if q.unit == gauge.unit]
-    if len(own) == 1:
-        return own[0]
-    if not own and (every := value_columns(record)):
+    candidates = [q for q in value_columns(record) if q.unit == gauge.unit]
+    if len(candidates) == 1:
+        return candidates[0]
+    if not candidates and (every := value_columns(record)):
         return every[0]
-    if not own:
+    if not candidates:
         _refuse_none(record, [gauge.column])
     raise InputError(
-        f"{record.source}: {', '.join(q.name for q in own)} may all be {gauge.column}; give that "
-        "name to the one which is meant"
+        f"{record.source}: {', '.join(q.name for q in candidates)} may all be {gauge.column}; "
+        "give that name to the one which is meant"
     )
 
 
 def _likely(measured: MeasuredQuantity, known: dict[str, Gauge], record: MeasuredRecord) -> Gauge:
     """Gauge that a plain column is of: of the link that it names, or the coupler's."""
-    own = [g for g in known.values() if g.unit == measured.unit]
-    if not own:
+    candidates = [g for g in known.values() if g.unit == measured.unit]
+    if not candidates:
         units = sorted({g.unit or "1" for g in known.values()})
         raise InputError(
             f"{record.source}: {measured.header or measured.name!r} is in {measured.unit or '1'}, "
@@ -185,13 +185,13 @@ def _likely(measured: MeasuredQuantity, known: dict[str, Gauge], record: Measure
             f"{', '.join(g.column for g in known.values())}; give a record of one of these"
         )
     words = measured.name.lower().split("_")
-    for wanted in ([g for g in own if g.link.lower() in words], own):
+    for wanted in ([g for g in candidates if g.link.lower() in words], candidates):
         for gauge in wanted:
             if gauge.link == "coupler" or len(wanted) == 1:
                 return gauge
     raise InputError(
         f"{record.source}: {measured.name!r} may be any of "
-        f"{', '.join(g.column for g in own)}; choose one by --quantity"
+        f"{', '.join(g.column for g in candidates)}; choose one by --quantity"
     )
 
 

@@ -174,7 +174,7 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
         hardly = ", hardly separable" if abs(value) > _CLOSE else ""
         yield Quantity("correlation", value, "", of=f"{names[first]}, {names[second]}{hardly}")
     parts = [data[name].values for name in data if str(name).startswith("residual")]
-    size = float(np.sqrt(np.mean(sum(part**2 for part in parts))))
+    size = float(np.sqrt(np.mean(sum(error**2 for error in parts))))
     yield Quantity("residual, root mean square", size, str(attrs["unit"]))
 
 

@@ -199,10 +199,11 @@ def hammer_test(mechanism: Engine | Mechanism, request: HammerRequest) -> Hammer
             for place, angle in enumerate(request.crank_angles)
         ]
         plan = planned_record(request, locked)
-        found = [
-            measured(each, plan, request, number, report) for number, each in enumerate(locked)
+        measurements = [
+            measured(at_angle, plan, request, number, report)
+            for number, at_angle in enumerate(locked)
         ]
-        dataset = dataset_of(engine, request, plan, found)
+        dataset = dataset_of(engine, request, plan, measurements)
     dataset.attrs |= theory_attributes([engine], request.modes)
     dataset.attrs |= left_out_attributes(engine.mechanism) | loss.attributes
     return HammerTest(dataset)
@@ -249,7 +250,7 @@ _OF_ANGLES: dict[str, Callable[[Measurement], float]] = {
 
 
 def dataset_of(
-    engine: Engine, request: HammerRequest, plan: RecordPlan, found: Sequence[Measurement]
+    engine: Engine, request: HammerRequest, plan: RecordPlan, measurements: Sequence[Measurement]
 ) -> xr.Dataset:
     """Put the measurements of all crank angles together.
 
@@ -258,7 +259,7 @@ def dataset_of(
     engine : Engine
     request : HammerRequest
     plan : RecordPlan
-    found : sequence of Measurement
+    measurements : sequence of Measurement
         At the request's crank angles.
 
     Returns
@@ -266,34 +267,34 @@ def dataset_of(
     xarray.Dataset
         Modes of an angle that has fewer than another are not numbers.
     """
-    modes = max(len(each.poles) for each in found)
+    modes = max(len(one.poles) for one in measurements)
     pulse_time = plan.pulse.start + plan.pulse.duration * _PULSE_PLACES
     values: Values = {
         "crank_angle": request.crank_angles,
         "average": np.arange(1, request.averages + 1),
         "time": plan.time,
-        "frequency": found[0].estimate.frequency,
+        "frequency": measurements[0].estimate.frequency,
         "mode": np.arange(1, modes + 1),
         "pulse_time": pulse_time,
         "link": list(engine.mechanism.linkage.topology.link_names),
-        "force": np.stack([each.force for each in found]),
-        "response": np.stack([each.response for each in found]),
-        "coherence": np.stack([each.estimate.coherence for each in found]),
+        "force": np.stack([one.force for one in measurements]),
+        "response": np.stack([one.response for one in measurements]),
+        "coherence": np.stack([one.estimate.coherence for one in measurements]),
         "pulse_force": plan.pulse.force(pulse_time),
         # A single pair of points has no mode shape: the grid of impacts has.
-        "mac": np.full((len(found), modes), np.nan),
-        **_circles(found, plan, modes),
-        **_charts([each.modes.chart for each in found]),
+        "mac": np.full((len(measurements), modes), np.nan),
+        **_circles(measurements, plan, modes),
+        **_charts([one.modes.chart for one in measurements]),
         **link_places(engine, request.crank_angles),
     }
     for name, of_lines in _OF_LINES.items():
-        values |= complex_parts(name, np.stack([of_lines(each) for each in found]))
+        values |= complex_parts(name, np.stack([of_lines(one) for one in measurements]))
     for name, of_modes in _OF_MODES.items():
-        values[name] = padded([of_modes(each) for each in found], modes)
+        values[name] = padded([of_modes(one) for one in measurements], modes)
     for name, of_angle in _OF_ANGLES.items():
-        values[name] = [of_angle(each) for each in found]
+        values[name] = [of_angle(one) for one in measurements]
     if request.grid is not None:
-        values |= _roved(engine, request.grid, found, modes)
+        values |= _roved(engine, request.grid, measurements, modes)
     dataset = HammerTest.schema().dataset(values)
     return dataset.assign_attrs(
         provenance([engine])
@@ -309,19 +310,21 @@ def dataset_of(
         simulates=int(engine.simulates),
         window_decay_rate=plan.decay_rate,
         left_at_the_end=LEFT,
-        method=found[0].modes.method,
+        method=measurements[0].modes.method,
     )
 
 
-def _roved(engine: Engine, grid: int, found: Sequence[Measurement], modes: int) -> Values:
+def _roved(engine: Engine, grid: int, measurements: Sequence[Measurement], modes: int) -> Values:
     """Points of a grid of impacts, receptances and mode shapes over these."""
     points = grid_points(engine, grid)
-    shapes = [each.grid for each in found if each.grid is not None]
+    shapes = [each.grid for each in measurements if each.grid is not None]
     values: Values = {
         "point": np.arange(1, len(points) + 1),
         "point_link": [point.link for point in points],
         "point_fraction": [point.fraction for point in points],
-        **complex_parts("grid_receptance", np.stack([each.unwindowed[1:] for each in found])),
+        **complex_parts(
+            "grid_receptance", np.stack([each.unwindowed[1:] for each in measurements])
+        ),
     }
     for name in ("shape", "eigen_shape"):
         values |= complex_parts(name, padded([getattr(each, name) for each in shapes], modes))
@@ -330,14 +333,14 @@ def _roved(engine: Engine, grid: int, found: Sequence[Measurement], modes: int) 
     return values
 
 
-def _circles(found: Sequence[Measurement], plan: RecordPlan, modes: int) -> Values:
+def _circles(measurements: Sequence[Measurement], plan: RecordPlan, modes: int) -> Values:
     """Receptances about each mode, exact and identified, closely enough to draw circles."""
-    shape = (len(found), modes, len(_CIRCLE_PLACES))
+    shape = (len(measurements), modes, len(_CIRCLE_PLACES))
     frequency = np.full(shape, np.nan)
     exact, identified = np.full((2, *shape), np.nan, dtype=complex)
-    for angle, each in enumerate(found):
-        natural = np.abs(each.poles) / (2 * np.pi)
-        half = _REACH * natural * -each.poles.real / np.abs(each.poles)
+    for angle, measurement in enumerate(measurements):
+        natural = np.abs(measurement.poles) / (2 * np.pi)
+        half = _REACH * natural * -measurement.poles.real / np.abs(measurement.poles)
         half += _REACH * plan.decay_rate / (2 * np.pi)
         # Up to the middle between neighbouring modes.
         apart = np.diff(natural, prepend=-np.inf, append=np.inf)
@@ -345,8 +348,8 @@ def _circles(found: Sequence[Measurement], plan: RecordPlan, modes: int) -> Valu
         for mode, (middle, width) in enumerate(zip(natural, half, strict=True)):
             around = np.maximum(middle + width * _CIRCLE_PLACES, plan.bandwidth / _LARGEST)
             frequency[angle, mode] = around
-            exact[angle, mode] = each.exact_at(around)
-            identified[angle, mode] = each.modes.receptance(around, plan.decay_rate)[0]
+            exact[angle, mode] = measurement.exact_at(around)
+            identified[angle, mode] = measurement.modes.receptance(around, plan.decay_rate)[0]
     return {
         "circle_frequency": frequency,
         **complex_parts("circle_exact_receptance", exact),

@@ -155,13 +155,13 @@ def _simulated(
         steps,
         progress=progress,
     )
-    found = run(impacts=[Impact(impact, direction, plan.pulse)])[:, 0]
-    at_rest = found[0]
+    runs = run(impacts=[Impact(impact, direction, plan.pulse)])[:, 0]
+    at_rest = runs[0]
     stressed = any(engine.mechanism.gravity) or engine.connectors.any
     if engine.mechanism.frame is not None and stressed:
         # The frame starts where linear equations let it sink, and rings a little without a hit.
         at_rest = run()[:, 0]
-    return np.asarray(found - at_rest)
+    return np.asarray(runs - at_rest)
 
 
 def _filter(plan: RecordPlan) -> FloatArray:
@@ -384,9 +384,9 @@ def measured(
     exact = locked.modes.receptance(seen, hit, lines, shift=shift)[:, 0, 0]
     kept = locked.modes.below(_SUPERPOSED * plan.bandwidth)
     superposed = locked.modes.receptance(seen, hit, lines, kept, shift=shift)[:, 0, 0]
-    some = lines[:: max(1, len(lines) // _CHECKED_LINES)]
-    gap = direct_receptance(*locked.matrices, seen, hit, some)
-    gap = gap - locked.modes.receptance(seen, hit, some)
+    checked = lines[:: max(1, len(lines) // _CHECKED_LINES)]
+    gap = direct_receptance(*locked.matrices, seen, hit, checked)
+    gap = gap - locked.modes.receptance(seen, hit, checked)
     poles = locked.poles(plan.bandwidth)
     points = [] if request.grid is None else grid_points(locked.engine, request.grid)
     roved = [

@@ -99,13 +99,13 @@ class LockedLinkage:
             If one is not damped.
         """
         every = self.modes.poles[self.modes.below(bandwidth)]
-        found = every[every.imag > 0]
-        if np.any(-found.real < _LEAST_DAMPING * np.abs(found)):
+        forward = every[every.imag > 0]
+        if np.any(-forward.real < _LEAST_DAMPING * np.abs(forward)):
             raise InputError(
                 "the linkage is not damped, so that a record never decays; give a damping ratio "
                 '(--damping-ratio, such as "0.5%"), or damping in the model file'
             )
-        return np.asarray(found[np.argsort(np.abs(found))])
+        return np.asarray(forward[np.argsort(np.abs(forward))])
 
     def natural_frequencies(self, count: int) -> FloatArray:
         """Lowest natural frequencies in Hz, (count,) or fewer."""
@@ -277,7 +277,7 @@ def planned_record(request: HammerRequest, locked: Sequence[LockedLinkage]) -> R
             f"bandwidth is {bandwidth:g} Hz; give a pulse of {1 / bandwidth:.3g} s, or a smaller "
             "bandwidth"
         )
-    slowest = min(_slowest(each, bandwidth) for each in locked)
+    slowest = min(_slowest(linkage, bandwidth) for linkage in locked)
     rate = _SAMPLES_A_HERTZ * bandwidth
     start = _BEFORE / bandwidth
     samples = _samples(request, bandwidth, start + pulse - np.log(LEFT) / slowest)
@@ -310,7 +310,7 @@ def planned_record(request: HammerRequest, locked: Sequence[LockedLinkage]) -> R
 
 def _bandwidth(request: HammerRequest, locked: Sequence[LockedLinkage]) -> float:
     modes = locked[0].engine.elements * len(locked[0].engine.links)
-    carried = min(float(each.natural_frequencies(modes)[-1]) for each in locked)
+    carried = min(float(linkage.natural_frequencies(modes)[-1]) for linkage in locked)
     if request.bandwidth is not None:
         if request.bandwidth > carried:
             raise InputError(
@@ -319,7 +319,7 @@ def _bandwidth(request: HammerRequest, locked: Sequence[LockedLinkage]) -> float
                 "bandwidth or more elements"
             )
         return request.bandwidth
-    highest = max(float(each.natural_frequencies(request.modes)[-1]) for each in locked)
+    highest = max(float(linkage.natural_frequencies(request.modes)[-1]) for linkage in locked)
     wanted = _two_digits(_ABOVE_MODES * highest)
     return wanted if request.pulse is None else min(wanted, 1 / request.pulse)
 
@@ -359,12 +359,12 @@ def _force(request: HammerRequest, locked: Sequence[LockedLinkage], unit: HalfSi
     links = locked[0].engine.mechanism.linkage.topology.links
     allowed = _DEFLECTION * min(link.length for link in links)
     greatest = 0.0
-    for each in locked:
-        period = 1 / each.natural_frequencies(1)[0]
+    for linkage in locked:
+        period = 1 / linkage.natural_frequencies(1)[0]
         time = unit.start + np.linspace(0.0, unit.duration + _PERIODS * period, _INSTANTS)
-        hit = each.rows([request.impact], request.direction)[0]
+        hit = linkage.rows([request.impact], request.direction)[0]
         greatest = max(
-            greatest, float(np.abs(each.motion(each.station_rows(), hit, unit, time)).max())
+            greatest, float(np.abs(linkage.motion(linkage.station_rows(), hit, unit, time)).max())
         )
     power = 10.0 ** np.floor(np.log10(allowed / greatest))
     return float(max(round(n * power, 15) for n in (1, 2, 5) if n * power <= allowed / greatest))

@@ -89,7 +89,7 @@ class _Nodes:
         fractions: dict[str, set[float]] = {name: {0.0, 1.0} for name in self.names}
         for point in points:
             fractions[point.link].add(point.fraction)
-        self.fractions = {name: sorted(own) for name, own in fractions.items()}
+        self.fractions = {name: sorted(places) for name, places in fractions.items()}
 
     def label(self, point: LinkPoint) -> int:
         place = self.fractions[point.link].index(point.fraction)
@@ -179,8 +179,8 @@ def _functions(
         over="force",
         remark=f"H1, {window}",
     )
-    found = _complex(one, "unwindowed_receptance")
-    yield receptance(values=found, reference=hit, name="receptance")
+    receptances = _complex(one, "unwindowed_receptance")
+    yield receptance(values=receptances, reference=hit, name="receptance")
     yield spectrum(
         kind="coherence",
         values=one["coherence"].values,

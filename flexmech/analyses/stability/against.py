@@ -266,17 +266,17 @@ def map_against(
         interrupted = True
     over = ("engine", "parameter", "crank_speed"), ("engine", "parameter", "against_speed")
     count, texts = len(asked), state.astype(str)
-    found = {
+    variables = {
         "against_growth_rate": (over[0], rate[..., :count]),
         "against_unstable": (over[0], texts[..., :count]),
     }
     if inside.size:
-        found["against_band_growth_rate"] = over[1], rate[..., count:]
-        found["against_band_unstable"] = over[1], texts[..., count:]
+        variables["against_band_growth_rate"] = over[1], rate[..., count:]
+        variables["against_band_unstable"] = over[1], texts[..., count:]
     words = re.sub("[-_.]", " ", against.parameter)
     attributes = {"units": against.dimension.unit or "1", "long_name": words}
     return xr.Dataset(
-        found,
+        variables,
         coords={"parameter": ("parameter", against.values, attributes), "against_speed": inside},
         attrs={
             "against": against.parameter,
@@ -341,12 +341,12 @@ def speeds_about(bands: Sequence[Band], ends: tuple[float, float]) -> FloatArray
     ndarray, shape (n,)
         Ascending, between the ends.
     """
-    found = [np.zeros(0)]
+    blocks = [np.zeros(0)]
     for band in bands:
         low, high = band.lower.crank_speed, band.upper.crank_speed
         parts = STROKE if high - low < NARROW * (ends[1] - ends[0]) else WIDE
-        found.append(low + (high - low) * np.array(parts))
-    every = np.unique(np.concatenate(found))
+        blocks.append(low + (high - low) * np.array(parts))
+    every = np.unique(np.concatenate(blocks))
     return every[(every > ends[0]) & (every < ends[1])]
 
 

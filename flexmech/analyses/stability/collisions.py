@@ -84,9 +84,9 @@ class Meeting:
 
     def frequencies(self, crank_speed: float) -> FloatArray:
         """Frequencies of a and b in Hz, interpolated."""
-        part = (crank_speed - self.lower) / (self.upper - self.lower)
+        fraction = (crank_speed - self.lower) / (self.upper - self.lower)
         first, last = np.array(self.lower_frequency), np.array(self.upper_frequency)
-        return np.asarray(first + part * (last - first))
+        return np.asarray(first + fraction * (last - first))
 
     def mismatch(self, crank_speed: float) -> float:
         """Half of ``f_a + f_b - n f_crank`` as an angular velocity in rad/s."""
@@ -96,9 +96,9 @@ class Meeting:
     @property
     def crank_speed(self) -> float:
         """Where the modes meet by interpolation, rad/s."""
-        found = self.lower - self.mismatch(self.lower) / self.slope
+        speed = self.lower - self.mismatch(self.lower) / self.slope
         low, high = sorted((self.lower, self.upper))
-        return min(max(found, low), high)
+        return min(max(speed, low), high)
 
     @property
     def slope(self) -> float:
@@ -184,7 +184,7 @@ def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]
                 if not (upper.is_unstable and abs(ends[1] - order) < LOCKED)
             ]
     return [
-        MeetingPair(pair, sorted(every, key=lambda each: (-abs(each.upper), each.order)))
+        MeetingPair(pair, sorted(every, key=lambda meeting: (-abs(meeting.upper), meeting.order)))
         for pair, every in found.items()
         if every
     ]
@@ -208,7 +208,7 @@ def _strengths(
     pair: MeetingPair,
     lowest: float,
     least_ratio: float,
-    part: float,
+    share: float,
     negligible: float,
 ) -> Iterator[tuple[_Strength, bool]]:
     """Meetings of a pair, and whether each has a part of the kappa that grows.
@@ -223,7 +223,7 @@ def _strengths(
         if hopeless == HOPELESS or not frequency.all():
             continue
         for_ratio = float(np.prod(2 * np.pi * frequency)) / lowest
-        least = part * max(least_ratio * for_ratio, meeting.decay)
+        least = share * max(least_ratio * for_ratio, meeting.decay)
         try:
             centre, kappa = _middle(solver, meeting, negligible * least)
         except ComputationError:
@@ -258,7 +258,7 @@ def met(
     int
         Number of those whose modes meet, but whose bands are narrower than that.
     """
-    found, narrower = [], 0
+    meetings, narrower = [], 0
     kept = least_ratio * (1.0 if solver.is_hamiltonian else FAR)
     for one, _ in _strengths(solver, pair, lowest, least_ratio, FAR, FAR):
         if one.kappa < kept * one.for_ratio:
@@ -267,8 +267,8 @@ def met(
             # Beyond the last equilibrium there is nothing; the map says so at its own speeds.
             with suppress(ComputationError):
                 half_width = one.kappa / abs(one.meeting.slope)
-                found.append(_sampled(solver, one.centre, half_width, ends))
-    return found, narrower
+                meetings.append(_sampled(solver, one.centre, half_width, ends))
+    return meetings, narrower
 
 
 def promising(

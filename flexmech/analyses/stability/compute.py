@@ -139,11 +139,11 @@ class StabilityMap(Result):
         data = self.dataset
         kind, branches = _bands_at(data)
         lower, upper = (
-            np.sum([data[f"band_{edge}_{part}_error"].values for part in PARTS], axis=0)
+            np.sum([data[f"band_{edge}_{check}_error"].values for check in PARTS], axis=0)
             for edge in EDGES
         )
         ends = zip(data["band_lower_open"].values, data["band_upper_open"].values, strict=True)
-        cut = np.array([" ".join(compress(("from", "to"), each)) for each in ends], dtype=str)
+        cut = np.array([" ".join(compress(("from", "to"), cuts)) for cuts in ends], dtype=str)
         unstable = data["unstable"].astype(object)
         with np.errstate(over="ignore"):  # far from any equilibrium a turn multiplies by 1e308
             modulus = np.exp(data["log_modulus"])
@@ -217,17 +217,17 @@ class StabilityMap(Result):
 def _bands_at(data: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     """Kind and branches of the band that contains each speed, over (engine, crank_speed)."""
     shape = data.sizes["engine"], data.sizes["crank_speed"]
-    found = np.full((2, *shape), "", dtype=object)
+    kinds = np.full((2, *shape), "", dtype=object)
     for place, name in enumerate(data["engine"].values):
         for n in np.flatnonzero(data["band_engine"].values == name).tolist():
             band = data.isel(band=n)
             low, high = sorted((float(band["band_lower"]), float(band["band_upper"])))
             speeds = data["crank_speed"].values
             inside = (speeds >= low) & (speeds <= high)
-            found[0, place, inside] = str(band["band_kind"].item())
-            found[1, place, inside] = str(band["band_branches"].item())
+            kinds[0, place, inside] = str(band["band_kind"].item())
+            kinds[1, place, inside] = str(band["band_branches"].item())
     kind, branches = (
-        xr.DataArray(each.astype(str), dims=("engine", "crank_speed")) for each in found
+        xr.DataArray(texts.astype(str), dims=("engine", "crank_speed")) for texts in kinds
     )
     return kind, branches
 

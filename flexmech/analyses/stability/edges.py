@@ -120,7 +120,7 @@ def closing_fits(
 
 def band_name(
     frequency: FloatArray,
-    part: FloatArray,
+    participation: FloatArray,
     usual: FloatArray,
     crank_frequency: float,
     pull: float,
@@ -134,7 +134,7 @@ def band_name(
     ----------
     frequency : ndarray, shape (m,)
         Floquet frequencies of the branches in Hz where none of them grows, at the band's speed.
-    part : ndarray, shape (m,)
+    participation : ndarray, shape (m,)
         How alike the mode that grows is to the shape of each branch.
     usual : ndarray, shape (m,)
         Median of each branch's frequency over the speeds. Modes that were mixtures may have
@@ -152,7 +152,7 @@ def band_name(
     -------
     BandName
     """
-    found: list[tuple[float, BandName]] = []
+    scored_names: list[tuple[float, BandName]] = []
     # With too few steps a mode may not turn at all: its frequency is zero.
     height, usual_height = (
         np.log(np.maximum(of, np.finfo(float).tiny)) for of in (frequency, usual)
@@ -161,7 +161,7 @@ def band_name(
     count = len(frequency)
     for a in range(count):
         for b in range(a, count):
-            common = min(part[a], part[b])
+            common = min(participation[a], participation[b])
             if common < LEAST_PART:
                 continue
             kinds: list[tuple[Kind, float]] = [("sum", frequency[a] + frequency[b])]
@@ -174,16 +174,16 @@ def band_name(
                 order = round(ratio)
                 if order == 0 or abs(ratio - order) > FARTHEST_FROM_ORDER:
                     continue
-                both = sorted((int(label[each]), float(frequency[each])) for each in (a, b))
+                both = sorted((int(label[branch]), float(frequency[branch])) for branch in (a, b))
                 branches, frequencies = zip(*both, strict=True)
                 name = BandName(kind, branches, order, abs(ratio - order), frequencies)
                 if is_refused(name):
                     continue
                 pulled = max(PULLED, pull)
-                found.append((common / (1 + ((ratio - order) / pulled) ** 2), name))
-    if not found:
+                scored_names.append((common / (1 + ((ratio - order) / pulled) ** 2), name))
+    if not scored_names:
         return UNNAMED
-    return max(found, key=lambda scored: scored[0])[1]
+    return max(scored_names, key=lambda scored: scored[0])[1]
 
 
 def signatures_of(
@@ -211,10 +211,10 @@ def signatures_of(
     sense = 1 if name.kind == "difference" else -1
     low, high = sorted(ends)
     beside = [f for f in tracked if not low <= f.crank_speed <= high]
-    for each in sorted(beside, key=lambda f: max(low - f.crank_speed, f.crank_speed - high)):
-        found = each.signature_of(first, 1), each.signature_of(last, sense)
-        if min(map(abs, found)) > LEAST_SIGNATURE:
-            return found
+    for modes in sorted(beside, key=lambda f: max(low - f.crank_speed, f.crank_speed - high)):
+        signatures = modes.signature_of(first, 1), modes.signature_of(last, sense)
+        if min(map(abs, signatures)) > LEAST_SIGNATURE:
+            return signatures
     return float("nan"), float("nan")
 
 
@@ -290,7 +290,9 @@ def name_of_growth(
     # What comes later than the next speed tells nothing, lest a name depends on how far a map goes.
     branches = track_modes([*before, *followed[len(before) :][:1]])
     last, crank = branches.shapes[len(before) - 1], 1 / modes.period
-    part = likeness(last.shape, modes.shape[..., number, None])[:, 0].reshape(-1, 2).max(axis=1)
+    participation = (
+        likeness(last.shape, modes.shape[..., number, None])[:, 0].reshape(-1, 2).max(axis=1)
+    )
     frequency = np.abs(last.frequency[::2])
     after = branches.modes[len(before) :]
     if after and after[0].growth_rate * after[0].period < GROWS:
@@ -300,7 +302,7 @@ def name_of_growth(
         frequency = frequency + share * wrapped(ahead - frequency, crank)
     return band_name(
         frequency,
-        part,
+        participation,
         branches.usual_frequency,
         crank,
         2 * modes.growth_rate / size,
@@ -368,10 +370,10 @@ def order_is_nearest(name: BandName, solver: LinkageSolver, modes: SelectedModes
     undamped = with_damping_time(solver.engine, 0.0)
     formulation = Formulation(solver.quasi_static, modes=max(name.branches))
     try:
-        found = frequencies_at(undamped, TURN, modes.crank_speed, formulation)
+        frequencies = frequencies_at(undamped, TURN, modes.crank_speed, formulation)
     except ComputationError:
         return False
-    first, second = found.mean(axis=0)[[name.branches[0] - 1, name.branches[-1] - 1]]
+    first, second = frequencies.mean(axis=0)[[name.branches[0] - 1, name.branches[-1] - 1]]
     meeting = abs(first - second) if name.kind == "difference" else first + second
     farthest = 1.0 if name.kind == "principal" else 0.5
     return bool(abs(meeting * modes.period - name.order) < farthest)
@@ -476,20 +478,20 @@ def find_edge(solver: LinkageSolver, search: EdgeSearch) -> FoundEdge:
     return FoundEdge(edge, measure(edge), search.width)
 
 
-def edge_errors(solver: LinkageSolver, found: FoundEdge) -> BandEdge:
+def edge_errors(solver: LinkageSolver, sought: FoundEdge) -> BandEdge:
     """Find out how wrong steps, reduction and mesh make an edge.
 
     Parameters
     ----------
     solver : LinkageSolver
         With which it was found.
-    found : FoundEdge
+    sought : FoundEdge
 
     Returns
     -------
     BandEdge
     """
-    edge, width = found.crank_speed, found.width
+    edge, width = sought.crank_speed, sought.width
     if not width:
         # The speeds asked for end there: the band's own edge, and its error, are not known.
         return BandEdge(edge, np.nan, np.nan, np.nan, is_open=True)
@@ -499,14 +501,14 @@ def edge_errors(solver: LinkageSolver, found: FoundEdge) -> BandEdge:
     moving, coarse = solver.moving(edge), solver.sampled_coarsely()
     try:
         same, more_modes = coarse.both_reductions(edge)
-        there = SignedGrowth(coarse).at(same)
-        by_reduction = place.moved(coarse.with_more_modes(), there, more_modes)
-        by_mesh = place.moved(coarse.refined(), there)
+        coarse_growth = SignedGrowth(coarse).at(same)
+        by_reduction = place.moved(coarse.with_more_modes(), coarse_growth, more_modes)
+        by_mesh = place.moved(coarse.refined(), coarse_growth)
     except ComputationError:
         by_reduction = by_mesh = width
     return BandEdge(
         crank_speed=edge,
-        step_error=place.moved(solver.with_half_the_steps(moving), found.growth, moving),
+        step_error=place.moved(solver.with_half_the_steps(moving), sought.growth, moving),
         reduction_error=by_reduction,
         mesh_error=by_mesh * BY_REFINEMENT,
         is_open=False,
@@ -527,20 +529,22 @@ class _Place:
         """How far away another solver, instead of the one with growth ``here``, puts the edge."""
         growth = SignedGrowth(solver)
         try:
-            there = growth.at(moving or solver.moving(self.edge))
+            moved_growth = growth.at(moving or solver.moving(self.edge))
             # Beside an edge of next to no width growth may be level.
-            by_slope = abs(there - here) / self.slope if self.slope else np.inf
-            return by_slope if by_slope <= LINEAR * self.width else self._sought(growth, there)
+            by_slope = abs(moved_growth - here) / self.slope if self.slope else np.inf
+            return (
+                by_slope if by_slope <= LINEAR * self.width else self._sought(growth, moved_growth)
+            )
         except ComputationError:
             # There it has no equilibrium: the edge may be anywhere in the bracket.
             return self.width
 
-    def _sought(self, growth: SignedGrowth, there: float) -> float:
+    def _sought(self, growth: SignedGrowth, moved_growth: float) -> float:
         """Distance of the measure's own sign change, where the slope at the edge tells nothing."""
         distances = [2 * self.width]
         for end in (self.edge - 2 * self.width, self.edge + 2 * self.width):
             # Beyond standstill the linkage turns the other way.
-            if end * self.edge > 0 and growth(end) * there < 0:
+            if end * self.edge > 0 and growth(end) * moved_growth < 0:
                 ends = sorted((self.edge, end))
                 root = scipy.optimize.brentq(growth, *ends, xtol=1e-3 * self.width)
                 distances.append(abs(float(root) - self.edge))
@@ -576,13 +580,13 @@ def find_top(
     known, lower, upper = place
     best = solver.solve(solver.moving(known))
     if upper > lower:
-        found = scipy.optimize.minimize_scalar(
+        minimum = scipy.optimize.minimize_scalar(
             lambda speed: -solver.growth_rate(speed),
             bounds=(lower, upper),
             method="bounded",
             options={"xatol": TOP_TOLERANCE * (upper - lower)},
         )
-        other = solver.solve(solver.moving(float(found.x)))
+        other = solver.solve(solver.moving(float(minimum.x)))
         best = max(best, other, key=lambda modes: modes.growth_rate)
     inside = SIDE * (upper - lower)
     sides = [solver.solve(solver.moving(speed)) for speed in (lower + inside, upper - inside)]

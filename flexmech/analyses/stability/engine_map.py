@@ -237,7 +237,7 @@ class _EngineMap:
                 found[speed] = outcome
                 self._progress("speeds", len(found), len(speeds))
         except KeyboardInterrupt:
-            if not any(isinstance(each, SolvedSpeed) for each in found.values()):
+            if not any(isinstance(tried, SolvedSpeed) for tried in found.values()):
                 raise
             logger.info("interrupted after %d of %d speeds", len(found), len(speeds))
             return found, True
@@ -284,7 +284,9 @@ class _EngineMap:
             pairs = [pair for pair in self._each("meeting modes", near, pairs) if pair.meetings]
         task = partial(met, self._solver, lowest=self._lowest, least_ratio=least, ends=ends)
         answers = self._each("meeting modes", task, pairs)
-        return [each for some, _ in answers for each in some], sum(left for _, left in answers)
+        return [meeting for some, _ in answers for meeting in some], sum(
+            left for _, left in answers
+        )
 
     def _bands(
         self,
@@ -432,9 +434,9 @@ def _refuse_too_many_steps(request: StabilityRequest, lowest: float) -> None:
         )
 
 
-def _among(some: FloatArray, speeds: FloatArray) -> NDArray[np.bool_]:
+def _among(known: FloatArray, speeds: FloatArray) -> NDArray[np.bool_]:
     """Whether each of the speeds is one of some but for round-off."""
-    near = np.isclose(speeds[:, None], some, rtol=1e-9, atol=0.0)
+    near = np.isclose(speeds[:, None], known, rtol=1e-9, atol=0.0)
     return np.asarray(near.any(axis=1))
 
 

@@ -136,15 +136,15 @@ def speeds_between(samples: Sequence[Sample], step: float, refused: Sequence[flo
     -------
     list of float
     """
-    found: list[float] = []
+    speeds: list[float] = []
     ordered = sorted(samples, key=lambda sample: sample.crank_speed)
     for first, last in pairwise(ordered):
         low, high = first.crank_speed, last.crank_speed
         grows = first.signed_growth > 0 and last.signed_growth > 0
         if grows and not any(low < speed < high for speed in refused):
             count = math.ceil((high - low) / step)
-            found += [low + (high - low) * number / count for number in range(1, count)]
-    return found
+            speeds += [low + (high - low) * number / count for number in range(1, count)]
+    return speeds
 
 
 # Part of the distance of a dip's neighbours: two bands whose gap is narrower stay
@@ -243,19 +243,19 @@ class SignedGrowth:
 
     def into(self, dip: Dip) -> list[Sample]:
         """Samples towards the bottom of a dip, up to one at which nothing grows."""
-        found: list[Sample] = []
+        samples: list[Sample] = []
 
         def measure(crank_speed: float) -> float:
-            found.append(self.sample(crank_speed))
-            if found[-1].signed_growth <= 0:
+            samples.append(self.sample(crank_speed))
+            if samples[-1].signed_growth <= 0:
                 raise StopIteration
-            return found[-1].signed_growth
+            return samples[-1].signed_growth
 
         ends = dip.before.crank_speed, dip.after.crank_speed
         options = {"xatol": NARROWEST_GAP * (ends[1] - ends[0])}
         with suppress(StopIteration):
             scipy.optimize.minimize_scalar(measure, bounds=ends, method="bounded", options=options)
-        return found
+        return samples
 
     def at(self, moving: VibratingLinkage) -> float:
         """Measure of a linkage in its moving modes."""
@@ -427,8 +427,8 @@ class TrackedSpeed(FloquetExponents):
         The nearest frequency counts: branches change places where their modes are mixtures.
         """
         nearest = int(np.abs(np.log(self.frequency[::2] / frequency)).argmin())
-        own = slice(2 * nearest, 2 * nearest + 2)
-        place = 2 * nearest + int((sense * self.exponent.imag[own]).argmax())
+        pair = slice(2 * nearest, 2 * nearest + 2)
+        place = 2 * nearest + int((sense * self.exponent.imag[pair]).argmax())
         return float(self.krein_signature[place])
 
     @property

@@ -49,9 +49,9 @@ def speeds_without_equilibrium(
         if not isinstance(failure, RefusedPositionsError) or not len(failure.crank_angles):
             continue
         angles = failure.crank_angles[[0, -1]]
-        found = {speed: _failure(solver, speed, angles) for speed in left}
-        refused |= {speed: error for speed, error in found.items() if error is not None}
-        left = [speed for speed in left if found[speed] is None]
+        failures = {speed: _failure(solver, speed, angles) for speed in left}
+        refused |= {speed: error for speed, error in failures.items() if error is not None}
+        left = [speed for speed in left if failures[speed] is None]
     return refused
 
 
@@ -156,4 +156,4 @@ def with_windows(
     """
     task, ends = partial(narrow_windows, solver), window_ends(speeds, lowest)
     opened = list(in_order(task, ends)) if each is None else each(task, ends)
-    return replace(solver, windows=tuple(sorted(chain(*opened), key=lambda own: own.low)))
+    return replace(solver, windows=tuple(sorted(chain(*opened), key=lambda window: window.low)))

@@ -269,7 +269,7 @@ def _edges(band: xr.Dataset) -> tuple[str, str]:
 
 def _error(band: xr.Dataset, edge: str) -> float:
     """Error of an edge in rad/s; not a number where the range of speeds cuts the band."""
-    parts = sum(float(band[f"band_{edge}_{part}_error"]) for part in PARTS)
+    parts = sum(float(band[f"band_{edge}_{check}_error"]) for check in PARTS)
     return math.nan if bool(band[f"band_{edge}_open"]) else parts
 
 
@@ -306,8 +306,8 @@ def _unknown_errors(data: xr.Dataset) -> Iterator[str]:
     """Errors of exponents that are not known, and where: a line for each engine and cause."""
     for engine in _engines(data):
         speeds = data["check_speed"].values[data["check_engine"].values == engine]
-        for part, words in _CHECKS.items():
-            errors = data[f"check_{part}"].values[data["check_engine"].values == engine]
+        for check, words in _CHECKS.items():
+            errors = data[f"check_{check}"].values[data["check_engine"].values == engine]
             if np.isnan(errors).any():
                 missing = ", ".join(
                     speed_text(w, speed_unit(data)) for w in speeds[np.isnan(errors)]
@@ -323,8 +323,8 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
     unit = speed_unit(data)
     for engine in _engines(data):
         of_engine, bands = data.sel(engine=engine), _bands(data, engine)
-        for part, words in zip(PARTS, ("steps", "moving modes", "mesh"), strict=True):
-            errors = [float(band[f"band_{e}_{part}_error"]) for band in bands for e in EDGES]
+        for check, words in zip(PARTS, ("steps", "moving modes", "mesh"), strict=True):
+            errors = [float(band[f"band_{e}_{check}_error"]) for band in bands for e in EDGES]
             worst = abs(from_si(float(np.max(np.nan_to_num(errors), initial=0.0)), unit))
             if worst:
                 yield Quantity(f"error of edges by {words}", worst, unit, of=engine)
@@ -340,8 +340,8 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
             yield Quantity(words, float(of_engine[name].max()), "", of=engine)
         for n in np.flatnonzero(data["check_engine"].values == engine):
             at = f"{speed_name(data, data['check_speed'][n])}, {engine}"
-            for part, words in _CHECKS.items():
-                error = float(data[f"check_{part}"][n])
+            for check, words in _CHECKS.items():
+                error = float(data[f"check_{check}"][n])
                 yield Quantity(f"error of exponents by the {words}", error, "", of=at)
             growth = float(data["check_growth"][n])
             yield Quantity("error of the greatest log multiplier", growth, "", of=at)
@@ -390,7 +390,9 @@ def _pairs(data: xr.Dataset) -> tuple[list[tuple[xr.Dataset, xr.Dataset]], int]:
     if data.sizes["engine"] < 2:
         return [], 0
     first, second = (_bands(data, name) for name in _engines(data)[:2])
-    one, two = (np.array([sorted(_ends(b)) for b in own]).reshape(-1, 2) for own in (first, second))
+    one, two = (
+        np.array([sorted(_ends(b)) for b in bands]).reshape(-1, 2) for bands in (first, second)
+    )
     shared = np.minimum(one[:, None, 1], two[:, 1]) - np.maximum(one[:, None, 0], two[:, 0])
     places = scipy.optimize.linear_sum_assignment(-np.maximum(shared, 0.0))
     pairs = [(first[a], second[b]) for a, b in zip(*places, strict=True) if shared[a, b] > 0]

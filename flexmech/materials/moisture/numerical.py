@@ -296,9 +296,9 @@ class Fluxes:
         for period in ambient.periods(0.0, float(times[-1])):
             inside = (times > period.start) & (times <= period.stop)
             wanted = np.unique(np.append(times[inside], period.stop))
-            found = self._solve(period, state, wanted, initial, tolerance)
-            passed[inside] = found[np.searchsorted(wanted, times[inside])]
-            state = found[-1]
+            profiles = self._solve(period, state, wanted, initial, tolerance)
+            passed[inside] = profiles[np.searchsorted(wanted, times[inside])]
+            state = profiles[-1]
         start = initial * self.waves.mean[:, None] * np.ones(self._cells)
         saturation = start + (passed @ self._content.T).reshape(len(times), *start.shape)
         return saturation, passed @ self._inward
@@ -385,9 +385,9 @@ class Fluxes:
     def _inward(self) -> FloatArray:
         """Weights of what came in through all exposed surfaces, (u,)."""
         n = self._cells
-        own = np.zeros(2 * n + 1 if self._has_sides else n + 1)
-        own[0], own[n], own[n + 1 :] = 1.0, -1.0, -1.0
-        return np.outer(self.waves.mean, own).ravel()
+        gradient = np.zeros(2 * n + 1 if self._has_sides else n + 1)
+        gradient[0], gradient[n], gradient[n + 1 :] = 1.0, -1.0, -1.0
+        return np.outer(self.waves.mean, gradient).ravel()
 
     def _conductance(self, temperature: float) -> FloatArray:
         """Water per time through each face and side by the difference of saturations, (u,)."""
