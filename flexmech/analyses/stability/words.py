@@ -400,9 +400,13 @@ def _pairs(data: xr.Dataset) -> tuple[list[tuple[xr.Dataset, xr.Dataset]], int]:
 
 
 def _verdict(data: xr.Dataset) -> str:
-    """How far two engines' multipliers and band edges differ; or that only one ran."""
-    moduli = np.exp(np.sort(data["log_modulus"].values[:2], axis=-1))
-    line = engines_line(data, np.abs(moduli[-1] - moduli[0]), "moduli")
+    """How far two engines' multipliers and band edges differ; or that only one ran.
+
+    Moduli above 1 are compared relative to the greater one, which no number may hold.
+    """
+    logs = np.sort(data["log_modulus"].values[:2], axis=-1)
+    apart = -np.expm1(-np.abs(logs[-1] - logs[0]))
+    line = engines_line(data, np.exp(np.minimum(logs.max(axis=0), 0.0)) * apart, "moduli")
     if " differ by " not in line:
         return line
     pairs, alone = _pairs(data)
