@@ -159,7 +159,7 @@ def _corners(link: str, tables: ModelFile, places: LinkPlaces) -> Corners:
         x, y = point.made(CouplerPoint).place.tolist()
         return (0.0, 0.0), (beam.length, 0.0), (x, y)
     if isinstance(linkage, PlanarLinkage):
-        names = next(beam.points for beam in linkage.links if beam.name == link)
+        names = next(drawn.points for drawn in linkage.links if drawn.name == link)
         first, second, *others = (complex(*linkage.points[name]) for name in names)
         if len(others) == 1:
             third = (others[0] - first) * beam.length / (second - first)

@@ -180,12 +180,12 @@ class RecordTable(Table):
         ):
             words |= _parameters(record)
             stated |= si.quantities(record)
-        for name, schema in properties.items():
+        for name, entry in properties.items():
             field = stated.get(name)
-            if "description" not in schema and name in words:
-                schema["description"] = _without_unit(words[name], field)
-            if field is not None and "default" in schema and field.default not in (None, MISSING):
-                schema["default"] = field.stated_default
+            if "description" not in entry and name in words:
+                entry["description"] = _without_unit(words[name], field)
+            if field is not None and "default" in entry and field.default not in (None, MISSING):
+                entry["default"] = field.stated_default
         return schema
 
 
