@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import sys
 import tempfile
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
@@ -25,8 +23,7 @@ if sys.platform != "win32":
 _MOST_SHOWN = 200
 PREFIX = ".flexmech-"
 """Prefix of the names of folders in which sets of files are made."""
-# Files that are named one by one: of a folder with more files, as a study writes, the name is
-# printed.
+# Files that are named one by one: of more, such as sections of many links, there is the number.
 _MOST_FILES_NAMED = 30
 
 
@@ -183,7 +180,7 @@ def matching(folder: Path, patterns: Iterable[str]) -> list[Path]:
 def named_files(out: Path, files: Sequence[Path], patterns: Iterable[str]) -> list[str]:
     """Name the files of a run, and those that lie beside them from an earlier one.
 
-    A folder with many files is named instead of them.
+    Of many files there is the number.
 
     Parameters
     ----------
@@ -196,14 +193,9 @@ def named_files(out: Path, files: Sequence[Path], patterns: Iterable[str]) -> li
     -------
     list of str
     """
-    inside = Counter(file.parent for file in files)
-    names = (
-        f"{file.parent} ({inside[file.parent]} files)"
-        if inside[file.parent] > _MOST_FILES_NAMED
-        else str(file)
-        for file in files
-    )
-    lines = ["files: " + ", ".join(dict.fromkeys(map(one_line, names)))]
+    names = [one_line(str(file.relative_to(out))) for file in files]
+    few = len(names) <= _MOST_FILES_NAMED
+    lines = [f"files in {one_line(str(out))}: {', '.join(names) if few else len(names)}"]
     stale = [str(path.relative_to(out)) for path in matching(out, patterns) if path not in files]
     if stale:
         lines.append(f"from an earlier run, not of this one: {', '.join(map(one_line, stale))}")
@@ -387,34 +379,6 @@ def write_whole(path: Path, text: str) -> None:
         raise InputError(f"{path}: there is no folder {path.parent}; make it first")
     with moved_into(path.parent) as temporary:
         (temporary / path.name).write_text(text, encoding="utf-8", newline="\n")
-
-
-# What begins a section of a text file.
-_SECTION = "# "
-
-
-def with_section(path: Path, name: str, text: str) -> str:
-    """Text of a file with a section in the place of the section of that name if there is one.
-
-    Parameters
-    ----------
-    path : Path
-        Path of the file; it need not be there.
-    name : str
-        In the section's first line.
-    text : str
-        The lines after it; none begins with "# ".
-
-    Returns
-    -------
-    str
-        For who writes it.
-    """
-    old = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
-    parts = re.split(f"^{_SECTION}", old, flags=re.MULTILINE)
-    sections = {part.partition("\n")[0]: part for part in parts if part.strip()}
-    sections[name] = f"{name}\n{text.rstrip()}\n\n"
-    return "".join(f"{_SECTION}{part}" for part in sections.values())
 
 
 def _not_writable(folder: Path, error: Exception) -> str:

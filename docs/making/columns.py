@@ -1,4 +1,4 @@
-"""Columns of CSV files and variables of NetCDF files, as the schemas of the results have them."""
+"""Columns of CSV files, pictures and variables of NetCDF files, as the schemas have them."""
 
 from __future__ import annotations
 
@@ -41,6 +41,10 @@ def _tables(analysis: str) -> str:
             columns += schema.columns[group]
         cells = [_code(usual), *(f"{words} {_code(columns)}" for words, columns in further.items())]
         rows.append(f"| `{name}.csv`{when} | {'; '.join(cells)} |")
+    pictures = [(f"`{name}.png`", one.detail) for name, one in schema.pictures.items()]
+    shown, more = (", ".join(n for n, one in pictures if one is d) for d in (False, True))
+    if shown:
+        rows += ["", f"Pictures: {shown}" + (f"; with `--all` {more}." if more else ".")]
     return "\n".join(rows)
 
 

@@ -27,8 +27,8 @@ PICTURES = REPOSITORY / "docs" / "pictures"
 README = REPOSITORY / "README.md"
 # By their names: the command that draws a picture, or the file that the blocks of the README leave.
 BY_COMMAND = {
-    "carton_pusher.png": ("check models/carton_pusher.toml", "check.png"),
-    "frequencies.png": ("frequencies models/aluminium_fourbar.toml", "frequencies.png"),
+    "carton_pusher.png": ("check models/carton_pusher.toml", "check/check.png"),
+    "frequencies.png": ("frequencies models/aluminium_fourbar.toml", "frequencies/frequencies.png"),
 }
 CAMPBELL, REPORT = "campbell.png", "report.png"
 WINDOW = (1280, 1100)
@@ -62,7 +62,7 @@ def _made() -> dict[str, Path]:
     """
     folder = cache_folder() / "pictures"
     made = {name: folder / name for name in (*BY_COMMAND, REPORT)}
-    made[CAMPBELL] = block_folder(README) / "results" / CAMPBELL
+    made[CAMPBELL] = block_folder(README) / "results/campbell" / CAMPBELL
     folder.mkdir(parents=True, exist_ok=True)
     for name, (command, drawn) in BY_COMMAND.items():
         if not made[name].exists():

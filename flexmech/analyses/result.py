@@ -258,12 +258,19 @@ class Result(ABC):
         held = self.dataset.variables
         return [name for name, one in pictures if not one.needs or one.needs in held]
 
-    def figures(self) -> dict[str, Figure]:
-        """Every picture that there is data for, by the name of its file without its ending."""
+    def figures(self, *, details: bool = True) -> dict[str, Figure]:
+        """Pictures that there is data for, by the names of their files without the ending.
+
+        Parameters
+        ----------
+        details : bool
+            Whether all of them, or those that the answer needs.
+        """
         known = self.schema().pictures
         if not known:
             return {self.stem: self.plot()}
-        draws = {name: known[name].draws for name in self.pictures()}
+        wanted = (name for name in self.pictures() if details or not known[name].detail)
+        draws = {name: known[name].draws for name in wanted}
         return {
             name: getattr(plots, function)(self.dataset) if function else self.plot()
             for name, function in draws.items()
@@ -318,6 +325,7 @@ class Result(ABC):
         folder: str | Path,
         *,
         figures: bool = False,
+        details: bool = True,
         formats: Sequence[PictureFormat] = ("png",),
         width: PageWidth = "two-column",
         command_line: str = "",
@@ -330,6 +338,8 @@ class Result(ABC):
             Made if it is not there.
         figures : bool
             Whether to write the pictures too.
+        details : bool
+            Whether all pictures, or those that the answer needs.
         formats : sequence of {"png", "pdf", "svg"}
             Formats of the pictures: each is written in all of them.
         width : {"one-column", "two-column"}
@@ -348,6 +358,7 @@ class Result(ABC):
         """
         folder, names = given_path(folder), []
         check_flag(figures, "figures")
+        check_flag(details, "details")
         _check_pictures(formats if figures else ("png",), width)
         form = f"%.{self.significant_digits}g"
         attributes = file_attributes(self.title, command_line) | dict(self.stored_as)
@@ -367,19 +378,23 @@ class Result(ABC):
                 path(f"{name}.nc").write_bytes(netcdf_bytes(dataset, attributes))
             # Without pictures matplotlib is not loaded: that takes a third of a second.
             if figures:
-                self._draw(formats, width, path)
+                self._draw(details, formats, width, path)
             for name, text in self.texts().items():
                 path(name).write_text(text, encoding="utf-8", newline="\n")
         return [folder / name for name in names]
 
     def _draw(
-        self, formats: Sequence[PictureFormat], width: PageWidth, path: Callable[[str], Path]
+        self,
+        details: bool,
+        formats: Sequence[PictureFormat],
+        width: PageWidth,
+        path: Callable[[str], Path],
     ) -> None:
         """Write the pictures in all formats, each where the path of its name is."""
         with warnings.catch_warnings(), plots.page_width(PAGE_WIDTHS[width]):
             # Letters of a name that the typeface lacks are shown as boxes.
             warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)
-            for name, figure in self.figures().items():
+            for name, figure in self.figures(details=details).items():
                 for each in dict.fromkeys(formats):
                     plots.save_figure(figure, path(f"{name}.{each}"), dpi=DOTS_PER_INCH)
 

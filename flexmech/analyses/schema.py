@@ -86,10 +86,13 @@ class Picture:
         result's own ``plot`` draws.
     needs : str
         Variable without which there is no such picture; empty where there always is one.
+    detail : bool
+        Whether the answer can do without it.
     """
 
     draws: str = ""
     needs: str = ""
+    detail: bool = False
 
 
 @dataclass(frozen=True)

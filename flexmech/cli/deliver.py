@@ -27,7 +27,7 @@ from flexmech.choices import PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.cli.failures import telling
 from flexmech.crank_values import Speeds
 from flexmech.errors import naming, one_line
-from flexmech.files import check_writable, given_path, moved_into, named_files, with_section
+from flexmech.files import check_writable, given_path, moved_into, named_files
 
 if TYPE_CHECKING:
     from flexmech.analyses import Result, Summary, Table
@@ -38,7 +38,7 @@ Printing = Literal["answer", "details", "json", "nothing"]
 """Printed part of a summary, and its form."""
 
 SUMMARIES = "summary.txt"
-"""File beside the others that holds what every command has found in a folder."""
+"""File beside the others that holds all that the command has found."""
 
 # Words of a table break into lines of this many letters at least, as most names of links have.
 _SHORTEST_WORDS = 10
@@ -47,7 +47,7 @@ _FRAME = 3
 Found = TypeVar("Found", bound="Result")
 # In s, of lines that tell progress where there is no terminal.
 _BETWEEN_LINES = 30.0
-_running: ContextVar[str] = ContextVar("_running", default="")
+_running: ContextVar[tuple[str, ...]] = ContextVar("_running", default=())
 
 
 def typed_path(text: str | os.PathLike[str]) -> Path:
@@ -71,10 +71,11 @@ def mechanism_of(model: Path) -> Mechanism:
 
 @dataclass(frozen=True)
 class Pictures:
-    """Pictures that a command writes; no formats where none are wanted."""
+    """Pictures that a command writes, details too or not; no formats where none are wanted."""
 
     formats: tuple[PictureFormat, ...] = ("png",)
     width: PageWidth = "two-column"
+    details: bool = False
 
 
 @dataclass(frozen=True)
@@ -88,15 +89,20 @@ class Output:
 
 def command_line() -> str:
     """The command line that is run, as a shell takes it; empty where none is run."""
-    return _running.get()
+    line = shlex.join(_running.get())
+    # Bytes of a file's name that are no text, which files of results cannot hold, as escapes.
+    return line.encode(errors="backslashreplace").decode()
+
+
+def command_name() -> str:
+    """Name of the command that is run; empty where none is run."""
+    return "".join(_running.get()[1:2])
 
 
 @contextmanager
 def running(arguments: Sequence[str]) -> Iterator[None]:
     """Keep the command line while it is run."""
-    line = shlex.join(["flexmech", *arguments])
-    # Bytes of a file's name that are no text, which files of results cannot hold, as escapes.
-    token = _running.set(line.encode(errors="backslashreplace").decode())
+    token = _running.set(("flexmech", *arguments))
     try:
         yield
     finally:
@@ -162,7 +168,7 @@ def deliver(
             # Nothing is written before everything is computed.
             summary = result.summary()
         # Files first: what is printed has been kept.
-        files = []
+        files, models = list[Path](), list[str]()
         if out is not None:
             if formats:
                 import matplotlib
@@ -174,6 +180,7 @@ def deliver(
                 files = result.save(
                     whole,
                     figures=bool(formats),
+                    details=output.pictures.details,
                     formats=formats,
                     width=output.pictures.width,
                     command_line=command_line(),
@@ -182,11 +189,12 @@ def deliver(
                 if further is not None:
                     files += further(result, whole, progress)
                 # Moved with the others: the folder holds what one run has found.
-                kept = with_section(out / SUMMARIES, result.stem, f"{result.title}\n{summary}")
-                (whole / SUMMARIES).write_text(kept, encoding="utf-8", newline="\n")
+                text = f"{result.title}\n{summary}".rstrip() + "\n"
+                (whole / SUMMARIES).write_text(text, encoding="utf-8", newline="\n")
             files = [out / file.relative_to(whole) for file in files] + [out / SUMMARIES]
+            models = [f"model file: {one_line(str(out / name))}" for name in result.texts()]
     lines = () if out is None else named_files(out, files, kind.file_patterns(PICTURE_FORMATS))
-    say(summary, files, lines, (speeds.remark, remark), output.printing)
+    say(summary, files, lines, (speeds.remark, remark, *models), output.printing)
     return result
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from typer import Option
 
-from flexmech import analyses
 from flexmech.analyses import typed
 from flexmech.analyses.options import ComparisonOptions, HammerOptions, RunningHammerOptions
 from flexmech.analyses.typed import Together
@@ -17,9 +16,6 @@ from flexmech.cli.asking import ask, question, speeds_or_own
 from flexmech.cli.deliver import Output, mechanism_of
 from flexmech.crank_values import GREATEST
 from flexmech.errors import InputError, naming
-
-if TYPE_CHECKING:
-    from flexmech.arrays import LabelledProgress
 
 _LOCKED_ALONE = ("averages", "pulse", "noise", "seed", "grid")
 
@@ -53,15 +49,8 @@ def hammer(
 
             with naming("--uff"):
                 check_uff()
-        further = _universal_files if uff else None
-        ask(
-            "hammer.hammer_test",
-            HammerOptions,
-            model,
-            keywords,
-            output,
-            further=further,
-        )
+        further = (lambda result, folder, _: result.save_uff(folder)) if uff else None
+        ask("hammer.hammer_test", HammerOptions, model, keywords, output, further=further)
         return
     usual = HammerOptions()
     given = [name for name in _LOCKED_ALONE if keywords.pop(name) != getattr(usual, name)]
@@ -73,12 +62,6 @@ def hammer(
         )
     asked = RunningHammerOptions, model, keywords | {"speed": running}, output
     ask("running_hammer.running_hammer_test", *asked)
-
-
-def _universal_files(
-    result: analyses.HammerTest, folder: Path, _: LabelledProgress | None
-) -> list[Path]:
-    return result.save_uff(folder)
 
 
 def _with_record(model: Path, keywords: dict[str, Any], output: Output) -> dict[str, Any]:

@@ -38,15 +38,27 @@ strength = question("strength", "strength.strength", StrengthOptions, engine="re
 
 
 def asked_sizes(
-    crank: Annotated[str | None, Option(help="Crank length of a slider-crank.")] = None,
-    rod: Annotated[str | None, Option(help="Rod length of a slider-crank.")] = None,
-    offset: Annotated[
-        str | None, Option(help="Offset of the slider's line from the shaft's axis.")
-    ] = None,
-    mass: Annotated[str | None, Option(help="Mass of the slider, such as 0.15 kg.")] = None,
-    speed: Annotated[str | None, Option(help="Its crank speed, such as 1500 rpm.")] = None,
+    crank: str | None = None,
+    rod: str | None = None,
+    offset: str | None = None,
+    mass: str | None = None,
+    speed: str | None = None,
 ) -> dict[str, str | None]:
-    """Sizes of a slider-crank; those left out are asked for on a terminal."""
+    """Sizes of a slider-crank; those left out are asked for on a terminal.
+
+    Options
+    -------
+    crank
+        Crank length of a slider-crank.
+    rod
+        Rod length of a slider-crank.
+    offset
+        Offset of the slider's line from the shaft's axis.
+    mass
+        Mass of the slider, such as 0.15 kg.
+    speed
+        Its crank speed, such as 1500 rpm.
+    """
     return {"crank": crank, "rod": rod, "offset": offset, "mass": mass, "speed": speed}
 
 

@@ -18,7 +18,8 @@ from flexmech.cli.stopping import Stopped, answered_signals
 def _with_pictures(model: Path, keywords: dict[str, Any], output: Output) -> dict[str, Any]:
     """Ask for what pictures of the frequencies show besides."""
     drawn = bool(output.pictures.formats)
-    split = "fastest" if drawn and keywords["prestress"] != "none" else False
+    details = drawn and output.pictures.details
+    split = "fastest" if details and keywords["prestress"] != "none" else False
     keywords |= {"speed_effect": split, "smooth": drawn}
     return {}
 

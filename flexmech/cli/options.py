@@ -10,7 +10,7 @@ from typer import Argument, Option
 from flexmech import choices
 from flexmech.analyses import typed
 from flexmech.analyses.typed import Together
-from flexmech.cli.deliver import Output, Pictures, Printing, typed_path
+from flexmech.cli.deliver import Output, Pictures, Printing, command_name, typed_path
 from flexmech.errors import InputError
 
 # Defaults as users type them.
@@ -19,7 +19,6 @@ ALL: Any = "all"
 PNG: Any = "png"
 
 Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL", parser=typed_path)]
-Out = Annotated[Path, Option(help="Folder for the files.", metavar="DIR", parser=typed_path)]
 TypedPath = Annotated[Path, Option(parser=typed_path)]
 OptionalPath = Annotated[Path | None, Option(parser=typed_path)]
 GivenPath = Annotated[Path, Argument(parser=typed_path)]
@@ -29,8 +28,9 @@ def asked_pictures(
     no_plots: Annotated[bool, Option("--no-plots")] = False,
     formats: Annotated[tuple[choices.PictureFormat, ...], typed.FORMATS] = PNG,
     width: choices.PageWidth = "two-column",
+    every: Annotated[bool, Option("--all")] = False,
 ) -> Pictures:
-    """Formats and width of the pictures.
+    """Which pictures are written, their formats and width.
 
     Options
     -------
@@ -40,8 +40,12 @@ def asked_pictures(
         Formats of the pictures: png, pdf, svg or several.
     width
         Width of the pictures on a journal's page: 88 mm or 180 mm.
+    every
+        Write all pictures. Left out: those that the answer needs.
     """
-    return Pictures(() if no_plots else formats, width)
+    if no_plots and every:
+        raise InputError("--no-plots and --all: give one of them")
+    return Pictures(() if no_plots else formats, width, every)
 
 
 def asked_printing(
@@ -72,10 +76,16 @@ AskedPrinting = Annotated[Printing, Together(asked_printing)]
 
 
 def asked_output(
-    *, out: Out = Path("results"), pictures: AskedPictures, printing: AskedPrinting
+    *, out: TypedPath = Path("results"), pictures: AskedPictures, printing: AskedPrinting
 ) -> Output:
-    """Files, pictures and what is printed."""
-    return Output(out, pictures, printing)
+    """Files, pictures and what is printed.
+
+    Options
+    -------
+    out : DIR
+        The files go into a folder of the command's name within DIR.
+    """
+    return Output(out / command_name(), pictures, printing)
 
 
 def asked_optional_output(
@@ -86,9 +96,9 @@ def asked_optional_output(
     Options
     -------
     out : DIR
-        Folder for CSV files and pictures; none if left out.
+        The files go into a folder of the command's name within DIR. Left out: no files.
     """
-    return Output(out, pictures, printing)
+    return Output(out and out / command_name(), pictures, printing)
 
 
 AskedOutput = Annotated[Output, Together(asked_output)]

@@ -71,7 +71,7 @@ def _no_turns(model: Path, keywords: dict[str, Any]) -> list[str]:
 def export(
     model: options.Model,
     keywords: Annotated[dict[str, Any], Together(RunOptions, _RUN)],
-    out: options.Out = Path("results"),
+    out: options.TypedPath = Path("results"),
     *,
     printing: options.AskedPrinting,
 ) -> None:
@@ -79,6 +79,11 @@ def export(
 
     Writes linkage.py, which needs exudyn and numpy alone and makes, solves and shows the system
     that response --engine exudyn runs.
+
+    Options
+    -------
+    out : DIR
+        Folder for linkage.py.
     """
     from flexmech.analyses.response.compute import exudyn_system
     from flexmech.multibody import SCRIPT

@@ -286,7 +286,7 @@ class Optimum(Result):
         """The best design as a model file."""
         return {"optimum.toml": str(self.dataset.attrs["optimum"])}
 
-    def figures(self) -> dict[str, Figure]:
+    def figures(self, *, details: bool = True) -> dict[str, Figure]:
         """The search, and of several goals what one costs of the other."""
         figures = {"history": plots.plot_search(self.dataset)}
         if self.dataset.sizes["goal"] > 1:

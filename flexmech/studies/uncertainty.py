@@ -329,7 +329,7 @@ class Uncertainty(Result):
             tables["frequency_bands"] = bands_table(data[_BANDS])
         return tables
 
-    def figures(self) -> dict[str, Figure]:
+    def figures(self, *, details: bool = True) -> dict[str, Figure]:
         """Distributions, shares of the inputs where they are known, and bands of frequencies."""
         figures = {self.stem: self.plot()}
         if "total" in self.dataset:

@@ -27,7 +27,7 @@ from flexmech import (
 )
 from flexmech.analyses import ResponseRequest, amplitudes_after_stop
 from flexmech.modelfile import mechanism_from_toml
-from tests.support.command import Ended, columns_of
+from tests.support.command import Ended
 from tests.support.journeys import Journey, tells
 from tests.support.strategies import fourbar
 
@@ -112,10 +112,9 @@ def test_what_rings_over_the_time_of_a_move_is_an_output_of_sweep(tmp_path, comm
     """By the state at the stop it is that of a run that goes on."""
     drive = model(tmp_path)
     (tmp_path / "study.toml").write_text(SWEEP)
-    out = tmp_path / "out"
-    ended: Ended = command("sweep", tmp_path / "study.toml", "--no-plots", "--out", out)
+    ended: Ended = command("sweep", tmp_path / "study.toml", "--no-plots")
     assert ended.exit_code == 0, ended.stderr
-    table = columns_of(out / "designs.csv")
+    table = ended.table("designs")
     run = response(
         ReferenceEngine(flexmech.load_mechanism(drive), 8), ResponseRequest(samples=240, step=4e-4)
     )

@@ -102,7 +102,8 @@ def test_the_effect_of_speed_is_split_without_a_remainder(aluminium):
 
 def test_pictures_are_those_that_there_is_data_for(command, rough_pictures):
     model = "models/rotating_arm.toml"
-    ended = command("frequencies", model, *COARSE, "--engine", "reference", "--speeds", "0,10")
+    words = ("--engine", "reference", "--speeds", "0,10", "--all")
+    ended = command("frequencies", model, *COARSE, *words)
     pictures = {name for name in ended.files if name.endswith(".png")}
     assert pictures == {
         *("damping.png", "frequencies.png", "mode_shapes.png", "speed_effect.png"),

@@ -44,7 +44,7 @@ def test_a_new_linkage_is_damped_and_runs_as_in_every_turn(kind, tmp_path):
     turn = ("--engine", "reference", "--elements", "2", "--modes", "2", "--revolutions", "1")
     asked = ["response", str(file), *turn, "--out", str(tmp_path), "--no-plots"]
     assert CliRunner().invoke(app, asked).exit_code == 0
-    run = flexmech.Response.load(tmp_path / "response.nc")
+    run = flexmech.Response.load(tmp_path / "response" / "response.nc")
     assert (run.dataset.attrs["start"], run.dataset.attrs["damped"]) == ("periodic", 1)
     engine = flexmech.ReferenceEngine(flexmech.load_mechanism(file), 4)
     first = flexmech.natural_frequencies(engine, np.radians([0, 90, 180, 270]), modes=1).mean()

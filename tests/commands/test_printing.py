@@ -42,9 +42,9 @@ def test_the_answer_comes_first_and_details_are_those_of_the_summary(command):
     lines = plain.splitlines()
     assert lines[: len(said["answer"])] == said["answer"]
     assert lines[-2] == said["trust"]
-    assert lines[-1].startswith("files: ")
+    assert lines[-1].startswith(f"files in {details.folder}: ")
     kept = (details.folder / "summary.txt").read_text(encoding="utf-8")
-    assert kept.startswith("# section")
+    assert kept.startswith("sections of rotating arm\n")
     for line in (*said["answer"], said["trust"], *said["details"]["lines"]):
         assert line in kept
         assert line in details.stdout
@@ -70,23 +70,43 @@ def test_numbers_of_a_table_are_whole_at_80_columns(command, monkeypatch):
     assert expected <= numbers
 
 
-def test_a_second_command_in_a_folder_keeps_what_the_first_has_found(command):
-    """And what lies there from an earlier run is named."""
-    first = command("check", ARM, "--no-plots")
-    old = first.folder / "section_x.png"
+def test_a_second_command_keeps_what_the_first_has_found(tmp_path):
+    """Both write a file of the same name; what lies there from an earlier run is named."""
+    few = ("--angles", "0,90", "--elements", "2", "--modes", "2", "--engine", "reference")
+    first = run_command(tmp_path, "kinematics", STEEL, *few[:2], "--no-plots")
+    kept = {path: path.read_bytes() for path in first.folder.iterdir()}
+    second = run_command(tmp_path, "response", STEEL, *few[2:], "--speed", "20", "--no-plots")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["kinematics", "response"]
+    assert {path: path.read_bytes() for path in first.folder.iterdir()} == kept
+    assert "sizing.csv" in {*first.files} & {*second.files}
+    assert len(flexmech.stored_results(tmp_path).all) == 2
+    listed_before = first.files
+    old = first.folder / "motion.png"
     old.write_bytes(b"old")
     (first.folder / "notes.txt").write_text("mine")
-    for _ in range(2):
-        second = command("section", ARM, "--no-plots")
-    kept = (first.folder / "summary.txt").read_text(encoding="utf-8")
-    assert [line for line in kept.splitlines() if line.startswith("# ")] == [
-        "# check",
-        "# sections",
-    ]
-    assert second.stdout.splitlines()[-1].count("section_x.png") == 1
-    assert "notes.txt" not in second.stdout
+    again = run_command(tmp_path, "kinematics", STEEL, *few[:2], "--no-plots").stdout
+    named, stale = again.splitlines()[-2:]
+    words, _, listed = named.partition(": ")
+    assert words == f"files in {first.folder}"
+    assert sorted(listed.split(", ")) == listed_before
+    assert stale == "from an earlier run, not of this one: motion.png"
     assert old.read_bytes() == b"old"
-    assert len(flexmech.stored_results(first.folder).all) == 2
+
+
+def test_pictures_are_those_that_the_answer_needs_or_all(tmp_path, rough_pictures):
+    """One to three of them; data are the same."""
+    words = ("kinematics", STEEL, "--angles", "0:360:30")
+    few, every = (
+        {*run_command(tmp_path / str(len(more)), *words, *more).files} for more in ((), ("--all",))
+    )
+    assert {name for name in few if name.endswith(".png")} == {
+        "kinematics.png",
+        "joint_forces.png",
+        "drive.png",
+    }
+    assert {name.rpartition(".")[2] for name in every - few} == {"png"}
+    assert {"motor_plane.png", "shaking_force.png"} < every - few
+    assert few < every
 
 
 def test_a_file_names_the_command_line_as_a_shell_takes_it(tmp_path):

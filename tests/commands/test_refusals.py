@@ -144,7 +144,7 @@ def test_files_that_are_no_model_are_refused(tmp_path):
 def test_result_folders_that_cannot_be_written_are_refused_before_the_work(tmp_path):
     model, taken = tmp_path / "model.toml", tmp_path / "taken"
     model.write_text(template("four-bar"), encoding="utf-8")
-    (taken / "frequencies.csv").mkdir(parents=True)
+    (taken / "frequencies" / "frequencies.csv").mkdir(parents=True)
     for out in (model, model / "below", tmp_path / ("x" * 300), taken):
         told = refused("frequencies", str(model), "--out", str(out))
         assert told.startswith("error: --out: ")

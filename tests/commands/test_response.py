@@ -175,7 +175,7 @@ def test_a_clamped_link_alone_has_no_pins(command):
 
 def test_pictures_and_animations_are_those_asked_for(command, rough_pictures):
     words = ("--speed", "20", "--start", "rigid", "--engine", "reference", *SHORT[:-1])
-    ended = command("response", ALUMINIUM, *words)
+    ended = command("response", ALUMINIUM, *words, "--all")
     drawn = [name.removesuffix(".png") for name in ended.files if name.endswith(".png")]
     first = ["forces", "motor_plane", "paths", "response"]
     assert drawn == [*first, "running_shaking_force", "spectrum"]

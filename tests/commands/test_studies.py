@@ -170,9 +170,8 @@ def test_the_optimum_is_a_model_file_and_its_history_only_falls(journeys):
 
 
 def resumed(journey: Journey, name: str, *more: str) -> Ended:
-    folder = journey.ended.folder
-    file = folder.parent / "study.toml"
-    return run_command(folder, name, file, "--no-plots", *more)
+    out = journey.ended.folder.parent
+    return run_command(out, name, out.parent / "study.toml", "--no-plots", *more)
 
 
 def test_a_resumed_search_writes_the_same_tables(journeys):
@@ -199,7 +198,7 @@ def test_a_store_of_another_study_is_refused_with_the_difference(journeys, other
     old, new, options, words = OTHER[other]
     folder = journeys["sweep"].ended.folder
     file = study_file(tmp_path, old, new, TEXT)
-    ended = run_command(folder, "sweep", file, "--no-plots", *options)
+    ended = run_command(folder.parent, "sweep", file, "--no-plots", *options)
     assert ended.exit_code == 2
     assert words in ended.stderr
     assert str(folder / "designs.zarr") in ended.stderr
@@ -209,7 +208,7 @@ def test_a_damaged_store_is_refused_and_force_begins_again(tmp_path):
     file = study_file(tmp_path, "steps = 3", "steps = 2", TEXT)
     out = tmp_path / "out"
     assert run_command(out, "sweep", file, "--no-plots").exit_code == 0
-    (out / "designs.zarr" / "zarr.json").write_text("{")
+    (out / "sweep/designs.zarr/zarr.json").write_text("{")
     damaged = run_command(out, "sweep", file, "--no-plots", "--resume")
     assert damaged.exit_code == 2
     assert "--force" in damaged.stderr
@@ -226,7 +225,7 @@ def failed(folder: Path, text: str) -> tuple[str, dict[str, np.ndarray]]:
     ended = run_command(folder / "out", "optimize", study_file(folder, text=text), "--no-plots")
     assert ended.exit_code == 1, ended.stderr
     assert ended.stderr.count("\n") == 1
-    assert not (folder / "out/optimum.toml").exists()
+    assert not (folder / "out/optimize/optimum.toml").exists()
     return ended.stderr, ended.table("pareto")
 
 
@@ -235,12 +234,14 @@ def test_where_no_design_keeps_the_limit_the_nearest_stands_in_a_file(tmp_path):
     """And a model file of an earlier optimum beside it is named."""
     text = TEXT.replace('"0.33 N m"', '"0.001 N m"')
     told, best = failed(tmp_path, text)
-    assert str(tmp_path / "out/pareto.csv") in told
+    assert str(tmp_path / "out/optimize/pareto.csv") in told
     assert best["violation"][0] == pytest.approx(best["torque_N_m"][0] / 0.001 - 1)
     assert best[f"{THICKNESS}_m"][0] == pytest.approx(1e-3, rel=0.01)
-    (tmp_path / "out" / "optimum.toml").touch()
+    (tmp_path / "out/optimize/optimum.toml").touch()
     with pytest.raises(ComputationError, match=r"optimum.toml is of an earlier run"):
-        optimum_study(load_study(tmp_path / "study.toml"), folder=tmp_path / "out", resume=True)
+        optimum_study(
+            load_study(tmp_path / "study.toml"), folder=tmp_path / "out/optimize", resume=True
+        )
 
 
 @pytest.mark.thorough

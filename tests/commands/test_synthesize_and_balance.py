@@ -108,7 +108,9 @@ def test_counterweights_and_the_balanced_model_are_written(journey: Journey) -> 
 
 
 def test_the_users_file_is_kept_but_for_its_counterweights(journey: Journey) -> None:
-    text = (journey.ended.folder / "balanced.toml").read_text().splitlines()
+    file = journey.ended.folder / "balanced.toml"
+    assert f"model file: {file}" in journey.said["details"]["lines"]
+    text = file.read_text().splitlines()
     own = (MODELS / "aluminium_fourbar.toml").read_text().splitlines()
     assert text[0] == 'name = "aluminium four-bar, balanced"'
     assert text[1 : len(own)] == own[1:]

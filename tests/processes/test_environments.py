@@ -50,7 +50,7 @@ def test_a_command_in_an_odd_environment_draws_the_picture_of_a_plain_one(tmp_pa
             timeout=300,
         )
         assert (ended.returncode, ended.stderr) == (0, b"")
-        pictures.append((tmp_path / name / "section_crank.png").read_bytes())
+        pictures.append((tmp_path / name / "section" / "section_crank.png").read_bytes())
     assert pictures[0] == pictures[1]
 
 
@@ -68,7 +68,7 @@ def test_a_tilde_is_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setenv("HOME", str(tmp_path))
     words = ("section", "~/steel_fourbar.toml", "--no-plots", "--out", "~/res")
     assert run_command(tmp_path, *words).exit_code == 0
-    assert (tmp_path / "res" / "sections.csv").exists()
+    assert (tmp_path / "res" / "section" / "sections.csv").exists()
     missing = run_command(tmp_path, "check", "~nobody-of-this-name/model.toml")
     assert missing.exit_code == 2
     assert "~nobody-of-this-name/model.toml: there is no such home folder" in missing.stderr
@@ -95,7 +95,8 @@ def test_the_reference_engine_runs_without_exudyn(tmp_path: Path) -> None:
     assert (ended.returncode, ended.stderr) == (0, "")
     words = ("frequencies", MODELS / "steel_fourbar.toml", "--engine", "reference", *ASKED)
     run_command(tmp_path, *words, str(tmp_path / "with"))
-    tables = [(tmp_path / name / "frequencies.csv").read_bytes() for name in ("without", "with")]
+    places = (tmp_path / name / "frequencies" for name in ("without", "with"))
+    tables = [(place / "frequencies.csv").read_bytes() for place in places]
     assert tables[0] == tables[1]
 
 

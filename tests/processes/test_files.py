@@ -44,12 +44,13 @@ def to(number: int, path: str | None) -> Callable[[], None]:
 
 def test_a_full_disk_leaves_the_earlier_files(tmp_path: Path) -> None:
     """It is full as the dataset of some 30 kB is written, behind a table of 2 kB."""
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "frequencies.csv").write_text("old")
+    out = tmp_path / "out" / "frequencies"
+    out.mkdir(parents=True)
+    (out / "frequencies.csv").write_text("old")
     ended = run(tmp_path, *frequencies(), first=largest_file(12_000))
-    assert_one_error(ended, "--out: cannot write to out (")
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["frequencies.csv"]
-    assert (tmp_path / "out" / "frequencies.csv").read_text() == "old"
+    assert_one_error(ended, "--out: cannot write to out/frequencies (")
+    assert [path.name for path in out.iterdir()] == ["frequencies.csv"]
+    assert (out / "frequencies.csv").read_text() == "old"
 
 
 def test_a_small_file_system_that_is_full_is_told(tmp_path: Path) -> None:
@@ -108,7 +109,7 @@ def test_a_folder_that_vanishes_before_files_are_written_is_made_again(tmp_path:
         at=Place("open", STEEL.name),
         do=lambda: shutil.rmtree(out.parent),
     )
-    assert (ended.code, files_of(out)) == (0, TABLES), ended.stderr
+    assert (ended.code, files_of(out / "frequencies")) == (0, TABLES), ended.stderr
 
 
 def test_a_folder_that_vanishes_as_files_are_written_is_told(tmp_path: Path) -> None:
@@ -128,7 +129,7 @@ def test_a_run_that_ends_while_another_writes_keeps_its_temporary_folder(tmp_pat
         do=lambda: os.kill(os.getpid(), signal.SIGSTOP),
     )
     slow.wait_until_stopped()
-    out = tmp_path / "out"
+    out = tmp_path / "out" / "frequencies"
     assert run(tmp_path, *frequencies(STEEL)).code == 0
     assert sorted(path.name for path in out.iterdir() if path.is_file()) == TABLES
     steel = (out / "frequencies.csv").read_text()
@@ -142,18 +143,18 @@ def test_a_run_waits_while_another_moves_its_files(tmp_path: Path) -> None:
     first = start(
         tmp_path,
         *frequencies(ALUMINIUM),
-        at=Place("os.rename", "^out/frequencies.nc"),
+        at=Place("os.rename", "^out/frequencies/frequencies.nc"),
         do=lambda: os.kill(os.getpid(), signal.SIGSTOP),
     )
     first.wait_until_stopped()
     waits = tmp_path / "waits"
     other = start(tmp_path, *frequencies(STEEL), at=Place("fcntl.flock", ""), do=waits.touch)
     until("the other asks for the folder", waits.exists)
-    assert files_of(tmp_path / "out")[-1] == "frequencies.csv"
+    assert files_of(tmp_path / "out")[-1] == "frequencies/frequencies.csv"
     os.kill(first.pid, signal.SIGCONT)
     assert first.wait().code == other.wait().code == 0
     waits.unlink()
-    assert_whole(tmp_path / "out")
+    assert_whole(tmp_path / "out" / "frequencies")
 
 
 def assert_whole(out: Path) -> None:

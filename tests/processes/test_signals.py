@@ -40,9 +40,9 @@ PLACES = {
     "as the temporary folder is made": (Place("tempfile.mkdtemp", TEMPORARY), BEFORE),
     "as a table is written": (Place("open", "frequencies.csv"), BEFORE),
     "as a picture is written": (Place("open", "frequencies.png"), BEFORE),
-    "as files are moved": (Place("os.rename", "^out/frequencies.nc"), AFTER),
+    "as files are moved": (Place("os.rename", "^out/frequencies/frequencies.nc"), AFTER),
     "as the temporary folder is removed": (
-        Place("shutil.rmtree", f"^out/{TEMPORARY}[^/]*$"),
+        Place("shutil.rmtree", f"^out/frequencies/{TEMPORARY}[^/]*$"),
         AFTER,
     ),
 }
@@ -51,8 +51,8 @@ PLACES = {
 @pytest.fixture
 def out(tmp_path: Path) -> Path:
     """Folder with a table of an earlier run."""
-    folder = tmp_path / "out"
-    folder.mkdir()
+    folder = tmp_path / "out" / "frequencies"
+    folder.mkdir(parents=True)
     (folder / "frequencies.csv").write_text("old")
     return folder
 
@@ -64,7 +64,7 @@ def test_a_signal_ends_a_run_in_one_line_with_all_files_or_none(
 ) -> None:
     place, moved = PLACES[name]
     plots = [] if "picture" in name else ["--no-plots"]
-    ended = run(out.parent, *RUN, *plots, at=place, do=send(number))
+    ended = run(out.parents[1], *RUN, *plots, at=place, do=send(number))
     assert (ended.code, ended.stderr.count("\n")) == (128 + number, 1), ended.stderr
     assert ended.stderr.startswith(LINES[number])
     assert files_of(out) == (WHOLE if moved else ["frequencies.csv"])
@@ -76,17 +76,17 @@ def test_a_signal_ends_a_run_in_one_line_with_all_files_or_none(
     ("place", "left"),
     [
         (Place("open", "frequencies.csv"), ["frequencies.csv"]),
-        (Place("os.rename", "^out/frequencies.nc"), ["frequencies.csv"]),
+        (Place("os.rename", "^out/frequencies/frequencies.nc"), ["frequencies.csv"]),
     ],
     ids=["as a table is written", "as files are moved"],
 )
 def test_a_killed_run_leaves_files_of_one_set_and_the_next_cleans_up(
     place: Place, left: list[str], out: Path
 ) -> None:
-    assert run(out.parent, *RUN, "--no-plots", at=place, do=send(signal.SIGKILL)).code == -9
+    assert run(out.parents[1], *RUN, "--no-plots", at=place, do=send(signal.SIGKILL)).code == -9
     assert list(out.glob(f"{TEMPORARY}*"))
     assert [path.name for path in out.iterdir() if path.is_file()] == left
-    assert run(out.parent, *RUN, "--no-plots").code == 0
+    assert run(out.parents[1], *RUN, "--no-plots").code == 0
     assert files_of(out) == WHOLE
     assert not list(out.glob(f"{TEMPORARY}*"))
 

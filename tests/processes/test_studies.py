@@ -52,7 +52,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     folder = study(tmp_path_factory.mktemp("whole"))
     ended = run(folder, *SWEEP)
     assert ended.code == 0, ended.stderr
-    return bytes_of(folder / "out")
+    return bytes_of(folder / "out/sweep")
 
 
 def test_a_study_that_is_killed_as_it_keeps_designs_is_resumed(
@@ -60,11 +60,11 @@ def test_a_study_that_is_killed_as_it_keeps_designs_is_resumed(
 ) -> None:
     folder, place = study(tmp_path), Place("os.rename", "numbers/c/1/0$")
     assert run(folder, *SWEEP, at=place, do=send(signal.SIGKILL)).code == -signal.SIGKILL
-    assert "designs.zarr/done/c/0" in files_of(folder / "out")
+    assert "designs.zarr/done/c/0" in files_of(folder / "out/sweep")
     ended = run(folder, *RESUME)
     assert ended.code == 0, ended.stderr
-    assert bytes_of(folder / "out") == whole
-    assert not [name for name in files_of(folder / "out") if "partial" in name]
+    assert bytes_of(folder / "out/sweep") == whole
+    assert not [name for name in files_of(folder / "out/sweep") if "partial" in name]
 
 
 def kill_workers() -> None:
@@ -81,9 +81,9 @@ def test_killed_workers_are_told_and_what_is_done_is_kept(
     assert (ended.code, ended.stderr.count("\n")) == (1, 1), ended.stderr
     assert "a worker was lost" in ended.stderr
     assert "--resume" in ended.stderr
-    assert [name for name in files_of(folder / "out") if "done/c/" in name]
+    assert [name for name in files_of(folder / "out/sweep") if "done/c/" in name]
     assert run(folder, *RESUME).code == 0
-    assert bytes_of(folder / "out") == whole
+    assert bytes_of(folder / "out/sweep") == whole
 
 
 def test_a_pool_that_has_lost_its_worker_before_a_study_is_told(tmp_path: Path) -> None:
@@ -102,4 +102,4 @@ def test_a_cluster_finds_the_bytes_of_one_process(whole: dict[str, bytes], tmp_p
     ) as cluster:
         ended = run(folder, *SWEEP, "--cluster", cluster.scheduler_address)
     assert ended.code == 0, ended.stderr
-    assert bytes_of(folder / "out") == whole
+    assert bytes_of(folder / "out/sweep") == whole

@@ -59,9 +59,10 @@ def run_command(folder: Path, *words: str | Path | float) -> Ended:
     """
     typed = [str(word) for word in words]
     typed = [str(MODELS.parent / word) if word.startswith("models/") else word for word in typed]
-    # These two deliver no folder of results.
     if "--out" not in typed and typed[0] not in {"new", "export"}:
         typed += ["--out", str(folder)]
     result = CliRunner().invoke(app, typed)
     out = Path(typed[typed.index("--out") + 1]) if "--out" in typed else folder
+    # These deliver no folder of results.
+    out = out if typed[0] in {"new", "export", "report", "schema"} else out / typed[0]
     return Ended(result.exit_code, result.stdout, result.stderr, out)

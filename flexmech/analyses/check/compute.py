@@ -89,7 +89,7 @@ class ModelCheck(Result):
     stem = "check"
     subject = "check"
     hallmark = "link_mass"
-    files = ("check.csv", "check.nc", "check.png")
+    files = ("check.csv", "check.nc")
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Every number of a link or mode with its unit, a row for each."""
@@ -108,10 +108,6 @@ class ModelCheck(Result):
     def remarks(self) -> tuple[str, ...]:
         """Remarks of an engineer on numbers that are possible but unusual."""
         return tuple(str(self.dataset.attrs.get("remarks", "")).splitlines())
-
-    def figures(self) -> dict[str, Figure]:
-        """The mechanism, if it can be assembled at any crank angle."""
-        return {"check": self.plot()} if "rigid_position" in self.dataset else {}
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw the mechanism: posture and paths, sections to scale, and transmission angle.

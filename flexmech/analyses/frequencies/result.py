@@ -31,23 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-FILES = (
-    "frequencies.csv",
-    "frequencies.nc",
-    "vibration_effect.csv",
-    "damping.csv",
-    "shaft.csv",
-    "frequencies.png",
-    "frequencies_over_speed.png",
-    "speed_effect.png",
-    "vibration_effect.png",
-    "damping.png",
-    "mode_shapes.png",
-    "mode_shapes_*.png",
-    "agreement.png",
-)
-
-
 class MovingFrequencies(Result):
     """Natural frequencies over crank angle and speed, tracked, with their errors.
 
@@ -65,9 +48,9 @@ class MovingFrequencies(Result):
     subject = "moving natural frequencies"
     hallmark = "frequency"
     files = (
-        *FILES,
-        *(f"dry/{name}" for name in FILES),
-        *(f"hygrothermal_effect.{ending}" for ending in ("csv", "nc", "png")),
+        "mode_shapes_*.png",
+        *(f"dry/*.{ending}" for ending in ("csv", "nc", "png")),
+        *(f"hygrothermal_effect.{ending}" for ending in ("nc", "png")),
     )
 
     @property
@@ -219,35 +202,38 @@ class MovingFrequencies(Result):
         dry, wet = (self.state(name).dataset for name in self.states)
         return {self.stem: wet, f"dry/{self.stem}": dry, "hygrothermal_effect": self.dataset}
 
-    def figures(self) -> dict[str, Figure]:
-        """Every picture that there is data for; see :mod:`flexmech.plots`."""
-        if self._has_states:
-            dry, wet = (self.state(name).figures() for name in self.states)
-            below = {f"dry/{name}": figure for name, figure in dry.items()}
-            return {**wet, **below, "hygrothermal_effect": self.plot()}
+    def pictures(self) -> list[str]:
+        """Names of the pictures that there is data for, of one state."""
         data = self.dataset
-        figures = {}
-        if not has_no_curve_over_angle(data):
-            figures["frequencies"] = plots.plot_frequencies(data)
-        if has_few_angles(data):
-            figures["frequencies_over_speed"] = plots.plot_frequencies_over_speed(data)
-        for variable, name, draw in (
-            ("speed_effect", "speed_effect", plots.plot_speed_effect),
-            ("quasi_static_frequency", "vibration_effect", plots.plot_vibration_effect),
-            ("strain_energy_damping", "damping", plots.plot_damping),
-            # Estimated where there is Kelvin-Voigt damping alone.
-            ("damping_ratio_reduction_error", "damping", plots.plot_damping),
-        ):
-            if variable in data:
-                figures[name] = draw(data)
-        if "asked_shape" not in data:
-            figures["mode_shapes"] = plots.plot_mode_shapes(data)
-        for angle in data["shape_angle"].values if "asked_shape" in data else ():
-            name = f"mode_shapes_{np.degrees(angle):.6g}"
-            figures[name] = plots.plot_mode_shapes(data, shape_angle=float(angle))
-        if data.sizes["engine"] > 1:
-            figures["agreement"] = plots.plot_agreement(data)
-        return figures
+        # By modal strain energy, or estimated where there is Kelvin-Voigt damping alone.
+        damped = {"strain_energy_damping", "damping_ratio_reduction_error"} & {*data}
+        drawn = {
+            "frequencies": not has_no_curve_over_angle(data),
+            "frequencies_over_speed": has_few_angles(data),
+            "damping": bool(damped),
+            "mode_shapes": "asked_shape" not in data,
+            "agreement": data.sizes["engine"] > 1,
+        }
+        return [name for name in super().pictures() if drawn.get(name, True)]
+
+    def figures(self, *, details: bool = True) -> dict[str, Figure]:
+        """Pictures that there is data for; of the dry state among the details alone."""
+        if self._has_states:
+            dry, wet = (self.state(name) for name in self.states)
+            below = dry.figures() if details else {}
+            return {
+                **wet.figures(details=details),
+                **{f"dry/{name}": figure for name, figure in below.items()},
+                "hygrothermal_effect": self.plot(),
+            }
+        data = self.dataset
+        asked = data["shape_angle"].values if "asked_shape" in data else ()
+        return super().figures(details=details) | {
+            f"mode_shapes_{np.degrees(angle):.6g}": plots.plot_mode_shapes(
+                data, shape_angle=float(angle)
+            )
+            for angle in asked
+        }
 
     def plot(
         self,

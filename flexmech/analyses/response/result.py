@@ -193,6 +193,7 @@ class Response(Result):
         folder: str | Path,
         *,
         figures: bool = False,
+        details: bool = True,
         formats: Sequence[PictureFormat] = ("png",),
         width: PageWidth = "two-column",
         command_line: str = "",
@@ -203,7 +204,7 @@ class Response(Result):
         Parameters
         ----------
         folder : str or Path
-        figures : bool
+        figures, details : bool
         formats : sequence of {"png", "pdf", "svg"}
         width : {"one-column", "two-column"}
         command_line : str
@@ -224,7 +225,13 @@ class Response(Result):
         check_choice(store, STORES, "store")
         kept = self if store == "all" else replace(self, dataset=needed(self.dataset))
         return Result.save(
-            kept, folder, figures=figures, formats=formats, width=width, command_line=command_line
+            kept,
+            folder,
+            figures=figures,
+            details=details,
+            formats=formats,
+            width=width,
+            command_line=command_line,
         )
 
     def tabulated(self) -> xr.Dataset:

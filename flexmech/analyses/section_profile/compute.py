@@ -156,7 +156,7 @@ class SectionProfiles(Result):
                 tables["plies"] = plies
         return tables
 
-    def figures(self) -> dict[str, Figure]:
+    def figures(self, *, details: bool = True) -> dict[str, Figure]:
         """Strain and stress through each laminate.
 
         In a link of one material they are straight lines and a parabola: a picture adds nothing.
