@@ -138,7 +138,7 @@ def report_summary(results: Results, *, brief: bool = False) -> Summary:
 
 def _in_a_line(card: Card) -> str:
     """A card for a terminal; the reason alone where there is no number."""
-    number = " ".join(part for part in (card.value, card.place) if part not in ("", _NOTHING))
+    number = ", ".join(part for part in (card.value, card.place) if part not in ("", _NOTHING))
     said = (f"{number}.", *card.lines, *card.further) if number else (*card.lines, *card.further)
     return f"{card.question}: {' '.join(said)}"
 
