@@ -2,7 +2,8 @@
 
 A page holds its session in blocks, in the order of the work. A block ``console`` has commands
 behind ``$ ``, each followed by what it prints on a terminal; a block ``diff`` has the lines of a
-file that the user changes. Both are text of the page, which ``python docs/build.py --sessions``
+file that the user changes, a ``{code-block}`` with a ``:caption:`` the whole file of that name. All
+are text of the page, which ``python docs/build.py --sessions``
 brings up to date and every build compares with a run of its own.
 """
 
@@ -34,6 +35,8 @@ __all__ = [
 
 # A fenced block: its fence, what stands behind it, and its lines.
 FENCED = re.compile(r"^(`{3,})([^\n`]*)\n(.*?)^\1 *$", re.MULTILINE | re.DOTALL)
+# Behind the line of its name and an empty one.
+WHOLE_FILE = re.compile(r":caption: (\S+)\n\n(.*)", re.DOTALL)
 PROMPT = "$ "
 PRINTED = "printed.md"
 """File of the page with what its session prints today, beside what the session wrote."""
@@ -46,9 +49,9 @@ class Step:
     """A command line with what the page says that it prints, or the change of a file."""
 
     kind: str
-    """``console`` or ``diff``."""
+    """``console``, ``diff`` or ``file``."""
     text: str
-    """The command line as it is typed behind its prompt, or the lines of the change."""
+    """The command line as it is typed behind its prompt, or the lines of the change or file."""
     printed: str = ""
 
 
@@ -64,6 +67,8 @@ def steps_of(text: str) -> Iterator[Step]:
         kind, lines = block[2].strip(), block[3]
         if kind == "diff":
             yield Step(kind, lines)
+        elif WHOLE_FILE.fullmatch(lines):
+            yield Step("file", lines)
         elif kind == "console":
             yield from _commands(lines)
 
@@ -87,6 +92,8 @@ def run_session(text: str, folder: Path) -> str:
         kind = block[2].strip()
         if kind == "diff":
             _change(block[3], folder)
+        if whole := WHOLE_FILE.fullmatch(block[3]):
+            (folder / whole[1]).write_text(whole[2])
         if kind != "console":
             return block[0]
         printed = [f"{PROMPT}{s.text}\n{_printed_by(s.text, folder)}" for s in _commands(block[3])]

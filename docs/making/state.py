@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import pty
+import re
 import shutil
 import subprocess
 import sys
@@ -18,6 +19,8 @@ __all__ = ["REPOSITORY", "cache_folder", "command_results", "environment", "on_a
 
 REPOSITORY = Path(__file__).parents[2]
 CODE = ("flexmech", "models", "scenarios")
+# What a command says meanwhile where there is no terminal: how often depends on the machine.
+PROGRESS = re.compile(r"^.+: \d+ of \d+ after \d+ s\n", re.MULTILINE)
 PACKAGES = ("exudyn", "matplotlib", "numpy", "scipy", "xarray")
 
 
@@ -71,7 +74,7 @@ def on_a_terminal(*arguments: str, folder: Path) -> tuple[int, str]:
         os.close(reader)
         code = run.wait()
         errors.seek(0)
-        text = (errors.read() + bytes(printed)).decode()
+        text = PROGRESS.sub("", errors.read().decode()) + bytes(printed).decode()
     return code, text.replace("\r\n", "\n")
 
 

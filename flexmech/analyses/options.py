@@ -632,10 +632,10 @@ class RunOptions(
 
         At the final speed; of a law or table those of a move with its dwell.
     start : {"rigid", "equilibrium", "periodic"}, optional
-        periodic: on the periodic motion, under a motor settled; rigid: a start-up from undeformed
-        links at the rigid motion's velocities; equilibrium: from links bent quasi-statically by the
-        loads. Left out: periodic at constant speed, rigid where no motion repeats itself (a run-up,
-        a law, a motor, a free shaft, a load over time).
+        Motion at time zero. periodic: settled, every turn as the one before; rigid: a start-up with
+        undeformed links at the rigid motion's velocities; equilibrium: a start-up with links bent
+        quasi-statically by the loads. Left out: periodic at constant speed, else rigid (run-up,
+        law, motor, free shaft, load over time).
 
         Without damping the periodic motion exists away from critical speeds. At prestress
         ``equilibrium`` it is that of the nonlinear equations, else that of the linear ones.

@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -279,6 +280,11 @@ class Result(ABC):
     @abstractmethod
     def summary(self) -> Summary:
         """Summary in tables and lines."""
+
+    @cached_property
+    def said(self) -> Summary:
+        """The summary, made once however often it is read."""
+        return self.summary()
 
     @abstractmethod
     def plot(self, *, ax: Axes | None = None) -> Figure:

@@ -119,7 +119,7 @@ def report_summary(results: Results, *, brief: bool = False) -> Summary:
     """
     shown = brief_cards(results) if brief else cards(results)
     answer = tuple(_in_a_line(card) for card in shown if brief or card.value != _NOTHING)
-    said = [each.summary() for each in results.all]
+    said = [each.said for each in results.all]
     details = tuple(
         f"{each.title}: {line}"
         for each, one in zip(results.all, said, strict=True)
@@ -138,7 +138,7 @@ def report_summary(results: Results, *, brief: bool = False) -> Summary:
 
 def _in_a_line(card: Card) -> str:
     """A card for a terminal; the reason alone where there is no number."""
-    number = " ".join(part for part in (card.value, card.place) if part not in ("", _NOTHING))
+    number = ", ".join(part for part in (card.value, card.place) if part not in ("", _NOTHING))
     said = (f"{number}.", *card.lines, *card.further) if number else (*card.lines, *card.further)
     return f"{card.question}: {' '.join(said)}"
 
@@ -155,7 +155,7 @@ def trust(results: Results) -> str:
     str
     """
     found = [
-        f"{result.subject}: {result.summary().trust}"
+        f"{result.subject}: {result.said.trust}"
         for kind in (CampbellDiagram, MovingFrequencies, Response)
         if (result := results.first(kind)) is not None
     ]
@@ -174,11 +174,11 @@ def _critical_speeds(results: Results) -> Card:
     question = "Critical speeds"
     found = results.first(CampbellDiagram) or results.first(MovingFrequencies)
     grown = results.first(StabilityMap)
-    growth = () if grown is None else grown.summary().answer
+    growth = () if grown is None else grown.said.answer
     if found is None:
         missing = _missing(question, "campbell")
         return replace(missing, lines=(*growth, *missing.lines))
-    said = found.summary()
+    said = found.said
     lines, further = [*said.answer[:1], *growth], said.answer[1:]
     if isinstance(found, MovingFrequencies):
         lines.append("flexmech campbell tells which crank speeds to avoid.")
@@ -229,7 +229,7 @@ def _strength(results: Results) -> tuple[Card, ...]:
     found = [
         (run, number)
         for run in results.of_kind(Strength)
-        for number in run.summary().numbers
+        for number in run.said.numbers
         if number.name == "load_factor"
     ]
     if not found:
@@ -238,7 +238,7 @@ def _strength(results: Results) -> tuple[Card, ...]:
     value = rounded(least.value, math.nan, _DIGITS) if math.isfinite(least.value) else "any"
     source = run.dataset.attrs["source_of_loads"]
     place = f"times the loads until {least.of} fails, {source} loads"
-    (first, *further) = run.summary().answer
+    (first, *further) = run.said.answer
     return (Card("Strength", value, place, (_verdict(run, results), first), tuple(further)),)
 
 
@@ -246,7 +246,7 @@ def _others(run: Result, greatest: Quantity) -> tuple[str, ...]:
     """The same of the other links or joints of a run; nothing where there are none."""
     named = [
         f"{number.of} {number}"
-        for number in run.summary().numbers
+        for number in run.said.numbers
         if number.name == greatest.name and number.of != greatest.of
     ]
     return (f"The others: {', '.join(named)}.",) if named else ()
@@ -262,7 +262,7 @@ def _greatest(results: Results, name: str) -> tuple[Result, Quantity] | None:
         found = [
             (run, number)
             for run in [own for own in runs if "drive" not in own.dataset.attrs] or runs
-            for number in run.summary().numbers
+            for number in run.said.numbers
             if number.name == name
         ]
         if found:
@@ -344,7 +344,7 @@ def _torque(results: Results) -> Card:
         return _unanswered(results, question, "response")
     run, peak = found
     value, place = str(peak), "peak, at the shaft"
-    for mean in run.summary().numbers:
+    for mean in run.said.numbers:
         if (mean.name, mean.of) == ("rms_torque", "shaft"):
             value, place = f"{mean} RMS", f"peak {peak}, at the shaft"
     return Card(question, value, place, _elsewhere(run, results))
@@ -357,7 +357,7 @@ def _bearings(results: Results) -> Card:
         return _unanswered(results, question, "response")
     run, most = found
     loads = [
-        {one.of: one for one in run.summary().numbers if one.name == name}
+        {one.of: one for one in run.said.numbers if one.name == name}
         for name in ("cubic_mean_force", "peak_joint_force")
     ]
     rows = [
@@ -383,7 +383,7 @@ def _mass(results: Results) -> Card:
     question, found = "Moving mass", results.first(ModelCheck)
     if found is None:
         return _unanswered(results, question, "check")
-    (total,) = (one for one in found.summary().numbers if one.name == "total_mass")
+    (total,) = (one for one in found.said.numbers if one.name == "total_mass")
     masses = [found.dataset[name].values.tolist() for name in ("link", "link_mass")]
     links = ", ".join(f"{name} {plain(1e3 * mass)} g" for name, mass in zip(*masses, strict=True))
     return Card(question, str(total), "", (f"Links without masses on them: {links}.",))

@@ -407,7 +407,7 @@ def told_apart(results: Sequence[Result], names: Iterable[str]) -> list[tuple[st
         For :func:`panel_of`.
     """
     begun = [f"{name}: " if len(results) > 1 else "" for name in names]
-    return [(name, one.summary()) for name, one in zip(begun, results, strict=True)]
+    return [(name, one.said) for name, one in zip(begun, results, strict=True)]
 
 
 @cache

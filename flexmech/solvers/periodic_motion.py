@@ -20,6 +20,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -324,6 +325,8 @@ LESS = 0.4
 LEAST_CHANGE = 0.9
 LEAST_DAMPING = 0.003
 MOST_DAMPED = 16
+# Speed alone: runs with several steps, and analyses of one mechanism, start on the same motion.
+KEPT_ORBITS = 4
 
 
 @dataclass(frozen=True)
@@ -480,7 +483,14 @@ def nonlinear_orbit(
     engine.check_runs()
     engine.require_prescribed_shaft("a periodic motion at large displacements")
     with one_thread():
+        if near is None:
+            return _kept_orbit(engine, float(crank_speed))
         return _orbit(engine, float(crank_speed), near)
+
+
+@lru_cache(maxsize=KEPT_ORBITS)
+def _kept_orbit(engine: Engine, crank_speed: float) -> NonlinearOrbit:
+    return _orbit(engine, crank_speed, None)
 
 
 def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> NonlinearOrbit:

@@ -90,7 +90,7 @@ class DesignSweep(Result):
         count, within = data.sizes["design"], int(data["within"].sum())
         outputs = data.attrs["outputs"].split()
         numbers: tuple[Quantity, ...] = ()
-        lines = [f"{within} of {count} designs keep every limit."]
+        lines = [f"{within} of {count} designs keep{'s' * (within == 1)} every limit."]
         if not any({"least", "greatest"} & data[name].attrs.keys() for name in outputs):
             lines = [f"{within} of {count} designs can be computed."]
         table, error = None, float("nan")

@@ -45,6 +45,12 @@ something else
 -length = "160 mm"
 +length = "30 mm"
 ```
+
+```{code-block} text
+:caption: motors.csv
+
+name
+```
 """
 
 
@@ -83,6 +89,7 @@ def test_a_session_is_written_as_it_is_printed_today(tmp_path: Path) -> None:
     now = run_session(PAGE, tmp_path)
     assert now == PAGE.replace("something else", "wrote one.toml; next: flexmech check one.toml")
     assert 'length = "30 mm"' in (tmp_path / "one.toml").read_text()
+    assert (tmp_path / "motors.csv").read_text() == "name\n"
 
 
 @pytest.mark.parametrize(

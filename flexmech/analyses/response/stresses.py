@@ -309,7 +309,7 @@ def stress_words(dataset: xr.Dataset, stress: Quantity) -> str:
     place = f"{1e3 * float(own['peak_stress_place']):.3g} mm from its start"
     said = f"the greatest normal stress is {stress}, in the {stress.of}, {place}"
     bound = float(own["yield_strength"])
-    return f"{said}; it yields at {plain(1e-6 * bound)} MPa" if math.isfinite(bound) else said
+    return f"{said}; yielding begins at {plain(1e-6 * bound)} MPa" if math.isfinite(bound) else said
 
 
 def yielding(dataset: xr.Dataset) -> tuple[str, ...]:

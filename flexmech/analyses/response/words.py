@@ -264,8 +264,9 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
     lines = ["No link bends: all are rigid."]
     if bent is not None:
         angles = dataset["peak_deflection_angle"].sel(link=bent.of).isel(engine=0)
+        the = "In settled motion the" if dataset.attrs.get("start") == "periodic" else "The"
         lines = [
-            f"The {bent.of} bends by at most {bent}, at {DEGREES * float(angles) % 360:.0f} deg"
+            f"{the} {bent.of} bends by at most {bent}, at {DEGREES * float(angles) % 360:.0f} deg"
             f"{'' if stress is None else '; ' + stress_words(dataset, stress)}."
         ]
     carried = "" if force is None else f"Joint {force.of} carries up to {force}; "

@@ -330,7 +330,7 @@ def _quantities(data: xr.Dataset) -> Iterator[Quantity]:
                 yield Quantity(f"error of edges by {words}", worst, unit, of=engine)
         for band in bands:
             product = float(band["band_first_signature"]) * float(band["band_second_signature"])
-            where = f"{_name(band)}, {engine}"
+            where = f"{_name(band)} at {_range(band)}, {engine}"
             yield Quantity("product of the Krein signatures that meet", product, "", of=where)
         for name, words in (
             ("step_error", "error of log multipliers by steps"),

@@ -39,7 +39,7 @@ def other_panel(results: Results) -> Panel | None:
     sources = dict.fromkeys(str(each.dataset.attrs.get("source", "")) for each in found)
     return panel_of(
         "further-results",
-        [("", each.summary()) for each in found],
+        [("", each.said) for each in found],
         source=", ".join(sources),
         titles=", ".join(each.title for each in found),
     )

@@ -44,7 +44,7 @@ def sweep_panel(result: DesignSweep, results: Results) -> panel.Panel:
         for number, name in enumerate(variables[:MOST_VARIABLES], 1)
         if known.sizes["design"]
     ]
-    return panel.panel_of("designs", result.summary(), plots=tuple(shown), thinned=tuple(thinned))
+    return panel.panel_of("designs", result.said, plots=tuple(shown), thinned=tuple(thinned))
 
 
 def _over_variable(known: xr.Dataset, variable: str, outputs: Sequence[str], number: int) -> Plot:
@@ -67,7 +67,7 @@ def uncertainty_panel(result: Uncertainty, results: Results) -> panel.Panel:
     if "frequency_percentile" in data:
         shown.append(plotted("frequency-bands", plots.plot_frequency_bands.picture(data)))
     thinned = tuple(f"plots of {name}" for name in outputs[MOST_OUTPUTS:])
-    return panel.panel_of("uncertainty", result.summary(), plots=tuple(shown), thinned=thinned)
+    return panel.panel_of("uncertainty", result.said, plots=tuple(shown), thinned=thinned)
 
 
 def _distribution(data: xr.Dataset, output: str) -> Plot:
@@ -87,7 +87,7 @@ def optimum_panel(result: Optimum, results: Results) -> panel.Panel:
         shown.insert(0, plotted("pareto", front, "What one goal costs of the other"))
     return panel.panel_of(
         "optimum",
-        result.summary(),
+        result.said,
         plots=tuple(shown),
         folded=(_checked(data),),
         engines=" and ".join(data["checking_engine"].values.tolist()),

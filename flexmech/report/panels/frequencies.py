@@ -42,11 +42,11 @@ def frequency_panel(result: MovingFrequencies, results: Results) -> panel.Panel:
     unit, attrs = speed_unit_of(results), result.dataset.attrs
     return panel.panel_of(
         "frequencies",
-        result.summary(),
+        result.said,
         plots=(_frequency_plot(result, unit),),
         readings=tuple(_readings(result, unit)),
         # The table is of the last state; what it is against comes first.
-        folded=tuple(t for name in result.states[:1] for t in result.state(name).summary().tables),
+        folded=tuple(t for name in result.states[:1] for t in result.state(name).said.tables),
         stress=STRESSES[str(attrs["prestress"])],
         terms=_terms(str(attrs.get("rotation_terms", "off"))),
     )
@@ -66,7 +66,7 @@ def damping_panel(result: MovingFrequencies, results: Results) -> panel.Panel | 
     if not _is_damped(result.dataset):
         return None
     variable = damping_of(result.dataset)
-    lines = tuple(line for line in result.summary().lines if "damping" in line)
+    lines = tuple(line for line in result.said.lines if "damping" in line)
     plot = plotted(variable.replace("_", "-"), _of_each(result, plots.plot_damping.picture))
     return panel.panel_of("damping", (), variable, plots=(plot,), lines=lines)
 
@@ -161,7 +161,7 @@ def campbell_panel(result: CampbellDiagram, results: Results) -> panel.Panel:
     pictures = [(when, plots.plot_campbell.picture(one)) for when, one in shown]
     plot = plotted("campbell", joined(pictures))
     of = {"engine": names_of(data, "engine")[0], "state": state_of(data.attrs)}
-    return panel.panel_of("campbell", result.summary(), plots=(plot,), **of)
+    return panel.panel_of("campbell", result.said, plots=(plot,), **of)
 
 
 @panel.shows(StabilityMap)
@@ -170,4 +170,4 @@ def stability_panel(result: StabilityMap, results: Results) -> panel.Panel:
     data, unit = result.dataset, speed_unit_of(results)
     plot = plotted("stability", plots.plot_stability.picture(data.assign_attrs(speed_unit=unit)))
     of = {name: data.attrs[name] for name in ("prestress", "damping")}
-    return panel.panel_of("stability", result.summary(), plots=(plot,), **of)
+    return panel.panel_of("stability", result.said, plots=(plot,), **of)

@@ -42,7 +42,7 @@ def hammer_panel(result: HammerTest, results: Results) -> panel.Panel:
     plot = plotted("hammer-frf", Picture(panes, "Frequency (Hz)", data, places=frequency))
     of = {name: data.attrs[name] for name in ("impact", "response_point", "direction", "engine")}
     thinned = (f"curves of {left_out} more crank angles",) if left_out else ()
-    return panel.panel_of("hammer", result.summary(), plots=(plot,), thinned=thinned, **of)
+    return panel.panel_of("hammer", result.said, plots=(plot,), thinned=thinned, **of)
 
 
 @panel.shows(RunningHammerTest)
@@ -52,7 +52,7 @@ def running_hammer_panel(result: RunningHammerTest, results: Results) -> panel.P
     plot = plotted("harmonic-response", plots.plot_harmonic_frf.picture(data))
     of = {name: attrs[name] for name in ("response_point", "impact_point", "direction")}
     of["speed"] = speed_name(float(attrs["crank_speed"]), speed_unit_of(results))
-    return panel.panel_of("running-hammer", result.summary(), plots=(plot,), **of)
+    return panel.panel_of("running-hammer", result.said, plots=(plot,), **of)
 
 
 @panel.shows(Comparison)
@@ -61,4 +61,4 @@ def comparison_panel(result: Comparison, results: Results) -> panel.Panel:
     data = result.dataset
     plot = plotted("comparison", plots.plot_comparison.picture(data))
     of = {name: data.attrs[name] for name in ("column", "record", "quantity")}
-    return panel.panel_of("comparison", result.summary(), plots=(plot,), **of)
+    return panel.panel_of("comparison", result.said, plots=(plot,), **of)

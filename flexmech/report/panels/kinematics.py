@@ -63,7 +63,7 @@ def _plots(shown: list[tuple[Choice, xr.Dataset]]) -> Iterator[Plot]:
 def coupler_panel(result: CouplerPaths, results: Results) -> panel.Panel:
     """Coupler curves of each state, with their crunodes and cusps."""
     plot = plotted("coupler", coupler_picture(result.dataset))
-    return panel.panel_of("coupler-curve", result.summary(), plots=(plot,))
+    return panel.panel_of("coupler-curve", result.said, plots=(plot,))
 
 
 @panel.shows(ModelCheck)
@@ -71,13 +71,13 @@ def mechanism_panel(result: ModelCheck, results: Results) -> panel.Panel:
     """Links, masses and operation in words and a table, and the transmission angle."""
     data = result.dataset
     if "transmission_angle" not in data:
-        return panel.panel_of("mechanism", result.summary(), "drawn")
+        return panel.panel_of("mechanism", result.said, "drawn")
     plot = plotted("transmission-angle", transmission_picture(data))
-    return panel.panel_of("mechanism", result.summary(), "transmission_angle", plots=(plot,))
+    return panel.panel_of("mechanism", result.said, "transmission_angle", plots=(plot,))
 
 
 @panel.shows(Balance)
 def balance_panel(result: Balance, results: Results) -> panel.Panel:
     """Loads over the crank angle as given and balanced, of elastic links where they were run."""
     plot = plotted("balance", plots.plot_balance.picture(result.dataset))
-    return panel.panel_of("balance", result.summary(), plots=(plot,))
+    return panel.panel_of("balance", result.said, plots=(plot,))

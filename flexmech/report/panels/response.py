@@ -88,7 +88,7 @@ def response_panel(results: Results) -> Panel | None:
     begun = {STARTS[str(run.dataset.attrs["start"])] for run in runs}
     return panel_of(
         "response",
-        [(f"{name}: ", run.summary()) for name, run in zip(names, runs, strict=True)],
+        [(f"{name}: ", run.said) for name, run in zip(names, runs, strict=True)],
         plots=tuple(
             _over_turn(name, title, picture, those)
             for name, title, picture, variable in PICTURES
@@ -169,7 +169,7 @@ def motor_panel(results: Results) -> Panel | None:
     ]
     if not found:
         return None
-    said = [result.summary() for result in found]
+    said = [result.said for result in found]
     return panel_of(
         "motor",
         answer=tuple(dict.fromkeys(one.answer[0] for one in said)),
@@ -196,9 +196,7 @@ def residual_panel(results: Results) -> Panel | None:
         shown.append(plotted(f"residual{place}", plots.plot_residual.picture(run.dataset), law))
         if "shaped_deflection" in run.dataset:
             shown.append(plotted(f"shaped{place}", plots.plot_shaped.picture(run.dataset), law))
-    answer = tuple(
-        line for run in runs for line in run.summary().answer if "After the stop" in line
-    )
+    answer = tuple(line for run in runs for line in run.said.answer if "After the stop" in line)
     shapers = {str(run.dataset.attrs.get("shaper", "")) for run in runs} - {""}
     shaped = ""
     if shapers:

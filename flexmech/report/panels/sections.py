@@ -44,7 +44,7 @@ def section_panel(result: SectionProfiles, results: Results) -> Panel:
         drawings = stack_drawings(check.dataset)
     return panel_of(
         "sections",
-        result.summary(),
+        result.said,
         plots=tuple(_plot(result, link, n) for n, link in enumerate(result.links_with_layers)),
         drawings=drawings,
         folded=tuple(property_table(result.dataset.sel(link=link)) for link in result.links),
@@ -84,7 +84,7 @@ def moisture_panel(result: MoistureUptake, results: Results) -> Panel:
 
     return panel_of(
         "moisture",
-        result.summary(),
+        result.said,
         plots=(plot("uptake", uptake_pane, "Uptake"), plot("profiles", profile_pane, "Profiles")),
         thinned=(thinned,) if len(kept) < data.sizes["time"] else (),
     )
