@@ -116,6 +116,11 @@ class Claim:
         return f"{self.place}, {self.statement}: {known}"
 
     @property
+    def paper(self) -> str:
+        """Paper that the place names; empty for the one under test."""
+        return self.place.rpartition(", ")[0]
+
+    @property
     def concluded(self) -> str:
         """The statement, with the number printed where it is one of a number."""
         return (
@@ -193,11 +198,15 @@ def claim_table(claims: Sequence[Claim]) -> pd.DataFrame:
     return counts.reindex(index=places, columns=get_args(Verdict), fill_value=0)
 
 
-def verdict_sentences(claims: Sequence[Claim], conclusions: Collection[str]) -> tuple[str, ...]:
+def verdict_sentences(
+    paper: str, claims: Sequence[Claim], conclusions: Collection[str]
+) -> tuple[str, ...]:
     """How many claims of each verdict there are, and what became of the paper's conclusions.
 
     Parameters
     ----------
+    paper : str
+        The one under test.
     claims : sequence of Claim
     conclusions : collection of str
         Statements of those claims that are conclusions.
@@ -205,25 +214,26 @@ def verdict_sentences(claims: Sequence[Claim], conclusions: Collection[str]) -> 
     Returns
     -------
     tuple of str
-        One to three sentences: the second names the conclusions that are not reproduced, with our
-        number, the third all others.
+        The verdicts by paper; then the conclusions that are not reproduced, with our number, and
+        all others.
     """
-    counts = Counter(claim.verdict for claim in claims)
-    numbers = [f"{counts[verdict]} are {verdict}" for verdict in get_args(Verdict)]
-    sentences = [f"Of the paper's {len(claims)} claims {', '.join(numbers)}."]
+    sentences = []
+    for other in dict.fromkeys(claim.paper for claim in claims):
+        counts = Counter(claim.verdict for claim in claims if claim.paper == other)
+        numbers = [f"{counts[verdict]} {verdict}" for verdict in get_args(Verdict)]
+        sentences.append(f"{other or paper}, {counts.total()} claims: {', '.join(numbers)}.")
     found: dict[Verdict, list[Claim]] = {verdict: [] for verdict in get_args(Verdict)}
     for claim in claims:
         if claim.statement in conclusions:
             found[claim.verdict].append(claim)
     missed = [f"{claim.concluded} (here {claim.computed})" for claim in found.pop("not reproduced")]
     if missed:
-        sentences.append(f"Of its conclusions these are not reproduced: {'; '.join(missed)}.")
+        sentences.append(f"Conclusions that are not reproduced: {'; '.join(missed)}.")
     others = [
         f"{verdict} ({'; '.join(claim.concluded for claim in group)})"
         for verdict, group in found.items()
         if group
     ]
     if others:
-        whose = "The others" if missed else "Its conclusions"
-        sentences.append(f"{whose} are {' or '.join(others)}.")
+        sentences.append(f"Other conclusions: {' or '.join(others)}.")
     return tuple(sentences)
