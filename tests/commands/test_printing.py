@@ -1,4 +1,4 @@
-"""What commands print and where files go: words, JSON, nothing; pictures by format and width."""
+"""Printed answers and places of files: words, JSON, nothing; pictures by format and width."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_numbers_of_a_table_are_whole_at_80_columns(command, monkeypatch):
 
 
 def test_a_second_command_in_a_folder_keeps_what_the_first_has_found(command):
-    """And what lies there from an earlier run is named."""
+    """Files left by an earlier run are named."""
     first = command("check", ARM, "--no-plots")
     old = first.folder / "section_x.png"
     old.write_bytes(b"old")

@@ -384,7 +384,7 @@ def changed(data: xr.Dataset, **factors: tuple[float, dict[str, object]]) -> xr.
 
 
 def positions_swapped(data: xr.Dataset) -> xr.Dataset:
-    """What is highest at the greatest transmission angle, at the least."""
+    """The study with the least and the greatest transmission angle exchanged."""
     frequency = data["frequency"].copy(deep=True)
     for one, other in (("min", "max"), ("max", "min")):
         frequency.loc[{"position": one}] = data["frequency"].sel(position=other).values
@@ -392,7 +392,7 @@ def positions_swapped(data: xr.Dataset) -> xr.Dataset:
 
 
 ONE = {"material": "C6", "case": 3}
-"""Of all linkages one."""
+"""One of the linkages."""
 DEFLECTION = "deflection is less than with metal links, "
 # Studies with other numbers, and beginnings of claims with their verdicts before and after.
 TURNS = {
