@@ -93,8 +93,8 @@ def test_what_no_analysis_answers_is_a_line_with_its_remedy(tmp_path: Path) -> N
     results.check().save(tmp_path / "check")
     ended = run_command(tmp_path, "report", tmp_path / "check", "--brief", "--out", page)
     assert ended.exit_code == 0, ended.stderr
-    assert text_of(page).count("flexmech response tells it") == 3
-    assert "flexmech campbell tells it" in text_of(page)
+    assert text_of(page).count("flexmech response answers it") == 3
+    assert "flexmech campbell answers it" in text_of(page)
 
 
 @pytest.mark.thorough
