@@ -12,16 +12,13 @@ arguments.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
-from itertools import combinations, product
-from typing import Any
+from itertools import combinations
 
 import numpy as np
 import xarray as xr
 from elamy_linkages import (
     CASES,
-    MODELS,
     deviation_at_best_scale,
     geometric_mean,
     laminate_factors,
@@ -29,18 +26,28 @@ from elamy_linkages import (
     stored,
 )
 from elamy_study import (
-    BEAMS,
     CONVERGED,
     CRANK_SPEED,
     PAPERS_MESH,
     STEEL,
     THIRD_ORDER,
     TURN,
+    all_models,
+    in_both_configurations,
     relative_change,
     spread_of,
 )
-from numpy.typing import ArrayLike
-from paper_claims import REPRODUCED_WITHIN, SPREADS, Band, Claim, verdict_on
+from paper_claims import (
+    REPRODUCED_WITHIN,
+    Band,
+    Claim,
+    Found,
+    judged_by,
+    judged_by_order,
+    numbers_in,
+    span,
+    verdict_on,
+)
 
 from flexmech import FourBar, synthesize_crank_rocker
 from flexmech.arrays import ROUND_OFF, FloatArray
@@ -57,7 +64,7 @@ forces bend a link by rho A over E I, vibration left out."""
 _UNITS = {"modulus": (1e9, "GPa", 1), "density": (1.0, "kg/m^3", 0), "poisson_ratio": (1.0, "", 3)}
 # What is assumed of the running linkages: speed, and modulus and density of steel.
 _ASSUMED = (CRANK_SPEED, STEEL.youngs_modulus / 1e9, STEEL.density)
-# Of Tables 5 and 6 against ours, in percent: as near to separable as the rounding of the printed
+# Deviation of Tables 5 and 6 against ours, in percent: as separable as the rounding of the printed
 # digits leaves them.
 _SEPARABLE_WITHIN = 1.0
 # In bending all linkages of one laminate lose the same part: differences below this are the
@@ -68,9 +75,6 @@ _LIMIT_TOLERANCE = 0.5
 # Numbers of claims are taken over these; other dimensions are models, or what is uncertain.
 _OVER = ("position", "laminate", "case")
 Number = Callable[[xr.DataArray], xr.DataArray]
-# What a test finds: texts of a claim by their names, ``holds`` and ``decidable`` if that can be
-# checked, and ``numbers`` for its reason.
-Found = dict[str, Any]
 
 
 def composite_claims(study: xr.Dataset) -> list[Claim]:
@@ -97,30 +101,6 @@ def composite_claims(study: xr.Dataset) -> list[Claim]:
         reason = reasons.get(why, "").format(*numbers)
         claims.append(Claim(place, statement, printed, verdict=verdict, reason=reason, **texts))
     return claims
-
-
-def all_models(study: xr.Dataset) -> list[xr.DataArray]:
-    """Frequencies over position, laminate and case by each model, the first one ours.
-
-    Every model comes twice: in both configurations with a right transmission angle. The last is
-    that of rigid joints.
-    """
-    models = []
-    for kind in ("", "rigid_joints_"):
-        for values in in_both_configurations(study, kind):
-            chosen = [
-                {"plies": plies, "layers": layers, "beams": beams}
-                for (plies, layers), beams in product(MODELS, BEAMS)
-            ]
-            models += [values.sel(one, drop=True) for one in ([{}] if kind else chosen)]
-    return models
-
-
-def in_both_configurations(study: xr.Dataset, kind: str = "") -> list[xr.DataArray]:
-    """Frequencies of a kind with the first and with the second configuration with 90 deg."""
-    frequency = study[f"{kind}frequency"]
-    other = frequency.where(frequency["position"] != "90", study[f"{kind}other_configuration"])
-    return [frequency, other.transpose(*frequency.dims)]
 
 
 class Tests:
@@ -515,43 +495,6 @@ class Tests:
             fails = "nothing: ours follows from a loss that is assumed"
         named = dict(zip(("from_tables", "computed", "other_models"), texts, strict=True))
         return {**named, "numbers": numbers, "fails_if": fails}
-
-
-def judged_by(band: Band, computed: float, unit: str, decimals: int = 2) -> Found:
-    """Our number held against one that is printed."""
-    edges = f"{band.edges[0]:.{decimals}f} to {band.edges[1]:.{decimals}f} {unit}".rstrip()
-    words = f"ours is outside {edges}"
-    if not band.decides:
-        words += f", which holds {band.no_effect:g} too and decides nothing"
-    return {
-        "holds": band.holds(computed),
-        "decidable": band.decides,
-        "spread": f"{band.spread:.{decimals}f} {unit}".rstrip() if band.spread else "",
-        "fails_if": words,
-    }
-
-
-def judged_by_order(difference: float, spread: float, words: str, least: float = 0.0) -> Found:
-    """An order that is claimed: by the least relative difference in it, negative if reversed."""
-    told = f"{100 * difference:z.2f} %"
-    if spread:
-        told += f" \N{PLUS-MINUS SIGN} {100 * spread:.2f} %"
-    return {
-        "holds": difference > least,
-        "decidable": spread == 0 or abs(difference) > SPREADS * spread,
-        "fails_if": f"{words}; the least difference is {told}",
-    }
-
-
-def numbers_in(printed: str) -> list[float]:
-    """Numbers in what is printed."""
-    return [float(number) for number in re.findall(r"[\d.]+", printed)]
-
-
-def span(numbers: ArrayLike, decimals: int = 2) -> str:
-    """Least and greatest of numbers in words, or the one that both are."""
-    ends = (f"{end:z.{decimals}f}" for end in (np.min(numbers), np.max(numbers)))
-    return " to ".join(dict.fromkeys(ends))
 
 
 def _missed_by(off: float, tables: xr.DataArray) -> Found:

@@ -348,3 +348,27 @@ def factor_uncertainty(study: xr.Dataset) -> xr.DataArray:
     """Relative uncertainty of each laminate's frequency in bending over that of C1."""
     change = relative_change(study, 0.5, -0.5)
     return spread_of(change - change.sel(laminate="C1"))
+
+
+def all_models(study: xr.Dataset) -> list[xr.DataArray]:
+    """Frequencies over position, laminate and case by each model, the first one ours.
+
+    Every model comes twice: in both configurations with a right transmission angle. The last is
+    that of rigid joints.
+    """
+    models = []
+    for kind in ("", "rigid_joints_"):
+        for values in in_both_configurations(study, kind):
+            chosen = [
+                {"plies": plies, "layers": layers, "beams": beams}
+                for (plies, layers), beams in product(MODELS, BEAMS)
+            ]
+            models += [values.sel(one, drop=True) for one in ([{}] if kind else chosen)]
+    return models
+
+
+def in_both_configurations(study: xr.Dataset, kind: str = "") -> list[xr.DataArray]:
+    """Frequencies of a kind with the first and with the second configuration with 90 deg."""
+    frequency = study[f"{kind}frequency"]
+    other = frequency.where(frequency["position"] != "90", study[f"{kind}other_configuration"])
+    return [frequency, other.transpose(*frequency.dims)]
