@@ -13,6 +13,7 @@ its models or the versions beneath it change; ``--fresh`` runs everything again.
 pages that are named, and writes the lines that their commands print today into the pages.
 ``--campaigns`` runs the scenarios that take too long for a build and keeps what they give in
 ``docs/kept/``. ``--pictures`` draws the pictures of ``docs/pictures/`` anew: a build compares them.
+``--papers`` writes ``docs/figures_of_the_papers.md`` and its pictures from the scenarios.
 ``--columns`` writes the tables of ``docs/files.md`` as the schemas of the results have them.
 """
 
@@ -31,6 +32,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 from making.blocks import block_failures  # noqa: E402
 from making.columns import PAGE, with_columns  # noqa: E402
+from making.figures_of_the_papers import write_page  # noqa: E402
 from making.gallery import CAMPAIGNS, keep_campaign  # noqa: E402
 from making.pages import run_everything  # noqa: E402
 from making.pictures import README, write_pictures  # noqa: E402
@@ -66,6 +68,7 @@ if __name__ == "__main__":
     )
     what.add_argument("--campaigns", action="store_true", help="run scenarios that take long")
     what.add_argument("--pictures", action="store_true", help="draw docs/pictures/ anew")
+    what.add_argument("--papers", action="store_true", help="write the page of the papers' figures")
     what.add_argument("--columns", action="store_true", help="write columns into docs/files.md")
     asked = parser.parse_args()
     if asked.sessions is not None:
@@ -79,6 +82,8 @@ if __name__ == "__main__":
         if failures := block_failures(README):
             sys.exit("\n".join(failures))
         write_pictures()
+    elif asked.papers:
+        write_page()
     elif asked.columns:
         PAGE.write_text(with_columns(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     else:

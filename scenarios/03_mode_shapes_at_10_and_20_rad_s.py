@@ -1,8 +1,10 @@
 """What do the first three modes look like, and does crank speed change their shapes?
 
 The steel and the aluminium four-bar of Kumar & Chandrakar at 0, 10 and 20 rad/s: their Figures 1.7
-to 2.8. They claim that the shapes "are very consistent in each other". The modal assurance
-criterion (MAC) weighted by mass compares each shape at speed with that at rest, over the turn.
+to 2.8, drawn at crank angle 0. They claim that the first and second mode shapes "are very
+consistent in each other". The modal assurance criterion (MAC) weighted by mass compares each shape
+at speed with that at rest: the claim is judged at the angle that they draw, and beside it stand all
+three modes over the turn.
 
     python scenarios/03_mode_shapes_at_10_and_20_rad_s.py
 """  # noqa: D400 - a scenario asks a question
@@ -15,7 +17,7 @@ from flexmech.solvers import solve_modes
 ELEMENTS = 16
 SPEEDS = np.array([0.0, 10.0, 20.0])
 TURN = np.radians(np.arange(0, 361))
-CONSISTENT = 0.9
+CONSISTENT, CLAIMED = 0.9, 2  # least MAC; modes of the claim
 
 
 def shapes(engine, speed):
@@ -57,10 +59,12 @@ for name in ("steel", "aluminium"):
             f"0 deg ({at_rest:.3f} Hz at rest, {at_speed:.3f} Hz at speed); over the turn at least "
             f"{least:.5f}, at {np.degrees(TURN[worst]):.0f} deg"
         )
-    verdicts[name] = "borne out" if mac[name].min() > CONSISTENT else "not borne out"
+    drawn_shapes = mac[name][:, 0, :CLAIMED].min()
+    verdicts[name] = "borne out" if drawn_shapes > CONSISTENT else "not borne out"
     print(
-        f'claim, {name}: the shapes "are very consistent in each other" (MAC above '
-        f"{CONSISTENT:g}): {verdicts[name]}, the least is {mac[name].min():.5f}"
+        f'claim, {name}: the first and second shape "are very consistent in each other" (MAC above '
+        f"{CONSISTENT:g}): {verdicts[name]} at crank angle 0, where they are drawn (least MAC "
+        f"{drawn_shapes:.5f}); over the turn the least of three modes is {mac[name].min():.5f}"
     )
 
 with plots.sheet(plots.grid(1, 2, 2.5, sharey=True)) as drawn:

@@ -22,60 +22,9 @@ from flexmech.studies import Optimum, Uncertainty, load_study, optimum_study, un
 SIXTH_ORDER = 60.0  # multiple of the crank's frequency of 10 Hz, in Hz
 NORMAL_97_5 = 1.96  # standard deviations below the mean that one in forty exceeds
 SPREAD = 0.015  # standard deviation of the plies' thickness over its mean
-ANGLES, SAMPLES = 36, 32  # crank angles over a turn; samples of the scatter, a power of two
-DESIGNS = """
-model = "{model}"
-
-[vary."plies.U.thickness"]
-range = ["0.15 mm", "0.35 mm"]
-
-[vary."laminates.slanted.stacking"]
-values = [
-    "[U@45/U@-45/U@45/U@-45/U@0/U@45/U@-45/U@0]s",
-    "[U@45/U@-45/U@0*2/U@45/U@-45/U@0*2]s",
-    "[U@0*2/U@45/U@-45/U@0*2/U@45/U@-45]s",
-]
-
-[vary.temperature-rise]
-values = ["40 K"]
-
-[vary.moisture]
-values = ["3 percent"]
-{frequency}
-[outputs.mass]
-quantity = "mass"
-
-[[goals]]
-output = "mass"
-"""
-SCATTER = """
-model = "{model}"
-
-[vary."plies.U.thickness"]
-normal = ["{thickness:.6g} mm", "{deviation:.6g} mm"]
-
-[vary."fibres.carbon.youngs_modulus"]
-normal = ["230 GPa", "7 GPa"]
-
-[vary."plies.U.fibre_volume_fraction"]
-normal = [0.6, 0.015]
-
-[vary.temperature-rise]
-normal = ["40 K", "3 K"]
-
-[vary.moisture]
-normal = ["3 percent", "0.3 percent"]
-{frequency}"""
-FREQUENCY = """
-[outputs.f1]
-quantity = "lowest_frequency"
-speed = "600 rpm"
-angles = {angles}
-
-[[limits]]
-output = "f1"
-above = "{least:.6g} Hz"
-"""
+SAMPLES = 32  # of the scatter, a power of two
+MODEL = example_model("moist_composite_fourbar").resolve()
+STUDIES = Path(__file__).resolve().parent / "data"
 
 
 class Linkage(NamedTuple):
@@ -92,18 +41,23 @@ class Linkage(NamedTuple):
 def lightest(folder, least):
     """The lightest linkage whose mean frequency is above one in Hz; its files are in the folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    designs, scattered = folder / "designs.toml", folder / "scatter.toml"
-    model = example_model("moist_composite_fourbar").resolve().as_posix()
-    limit = FREQUENCY.format(angles=ANGLES, least=least)
-    designs.write_text(DESIGNS.format(model=model, frequency=limit))
-    optimum = optimum_study(load_study(designs))
+
+    def study(name, changes):
+        """A study of the scenario with other words, by those that it has there."""
+        text = (STUDIES / f"21_{name}.toml").read_text()
+        for old, new in changes.items():
+            text = text.replace(f'"{old}"', f'"{new}"')
+        (folder / f"{name}.toml").write_text(text)
+        return load_study(folder / f"{name}.toml")
+
+    model = "../../models/moist_composite_fourbar.toml"
+    designs = study("designs", {model: MODEL.as_posix(), "60 Hz": f"{least:.6g} Hz"})
+    optimum = optimum_study(designs)
     optimum.save(folder)
     thickness = 1e3 * float(optimum.dataset["plies.U.thickness"][0])
-    spread = {"thickness": thickness, "deviation": SPREAD * thickness}
+    plies = {"0.25 mm": f"{thickness:.6g} mm", "0.00375 mm": f"{SPREAD * thickness:.6g} mm"}
     # However far above it the mean must be, the limit itself is the sixth order.
-    limit = FREQUENCY.format(angles=ANGLES, least=SIXTH_ORDER)
-    scattered.write_text(SCATTER.format(model="optimum.toml", frequency=limit, **spread))
-    scatter = uncertainty_study(load_study(scattered), SAMPLES)
+    scatter = uncertainty_study(study("scatter", {model: "optimum.toml", **plies}), SAMPLES)
     scatter.save(folder)
     mass, data = float(optimum.dataset["mass"][0]), scatter.dataset
     mean, deviation = (float(data[name].sel(output="f1")) for name in ("mean", "std"))

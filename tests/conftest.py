@@ -13,7 +13,7 @@ from typing import Any
 
 # Many small matrices: more BLAS threads only slow the tests down.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# Where Python is told to write no compiled modules, each command that a test starts would compile
+# Where Python writes no compiled modules, each command that a test starts would compile
 # the whole package again: they are kept in the folder of temporary files.
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
     kept = str(Path(tempfile.gettempdir()) / f"flexmech-tests-{os.getuid()}")

@@ -1,7 +1,12 @@
-"""The page that has every figure and table of the three papers beside ours."""
+"""The page that has every figure and table of the three papers beside ours.
+
+It stands in the repository with small pictures, for readers without a build. A build holds it
+against what the scenarios give today; ``docs/build.py --papers`` writes it anew.
+"""
 
 from __future__ import annotations
 
+import io
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,19 +14,23 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from PIL import Image
 
 from making.gallery import PRINTED, scenario_results
+from making.pictures import PICTURES, alike
+from making.printed import difference
+from making.state import REPOSITORY
 from making.tables_of_the_papers import PaperTables
 
-__all__ = ["STUDY", "Row", "figures_page", "paper_rows"]
+__all__ = ["STUDY", "Row", "changed_page", "figures_page", "paper_rows", "write_page"]
 
 HEAD = """# Figures and tables of the papers
 
 Every figure and table of the three papers that this project starts from, beside ours: what the
 paper has there, our picture or table, and how they compare. No picture of a paper is shown. Ours
-are what the [scenarios](gallery/index.md) drew when these pages were built, and each verdict is
-read from what they wrote. The equations stand in {doc}`../theory/sources`,
-misprints in {doc}`../errata`.
+are drawn by the scripts in `scenarios/` to which the pictures lead, and each verdict is read from
+what they wrote. The [equations](theory/sources.md) and the [misprints](errata.md) have pages of
+their own. The command `python docs/build.py --papers` writes this page.
 
 """
 CLAIMS_HEAD = """## All claims of E
@@ -30,13 +39,9 @@ What E says of its figures and tables, claim by claim, as `scenarios/papers/elam
 from the paper's own tables, and from our models of its linkages.
 
 """
-LIST_HEAD = """```{list-table}
-:header-rows: 1
-:widths: 20 48 32
-
-* - in the paper
-  - ours
-  - comparison"""
+PAGE = REPOSITORY / "docs" / "figures_of_the_papers.md"
+SMALL, COLOURS = 520, 32
+"""Width in pixels of the pictures of the page, and their number of colours."""
 ROWS = Path(__file__).with_suffix(".toml")
 STUDY = "papers/elamy_2023"
 """Scenario that puts the claims of E to the test."""
@@ -75,8 +80,8 @@ class Row:
 
     @property
     def anchor(self) -> str:
-        """Label of its table."""
-        return f"{self.paper}-{self.number}".lower().replace(" ", "-").replace(".", "-")
+        """Anchor of the heading of its table."""
+        return f"{self.paper}-{self.number}".lower().replace(" ", "-").replace(".", "")
 
 
 def paper_rows() -> list[Row]:
@@ -104,7 +109,7 @@ def figures_page(results: Results = scenario_results) -> str:
         rows = [row for row in paper_rows() if row.paper == short]
         parts += [f"## {short}: {paper}\n", _listed(rows, results)]
         parts += [
-            f"({row.anchor})=\n### {short}, {row.number}\n\n{getattr(tables, row.table)()}\n"
+            f"### {short}, {row.number}\n\n{getattr(tables, row.table)()}\n"
             for row in rows
             if row.table
         ]
@@ -116,7 +121,7 @@ def _stored() -> dict[str, Any]:
 
 
 def _listed(rows: list[Row], results: Results) -> str:
-    lines = [LIST_HEAD]
+    lines = ["| in the paper | ours | comparison |", "|-|-|-|"]
     for row in rows:
         ours = [_picture(row, path, results) for path in row.ours]
         if row.table:
@@ -126,18 +131,60 @@ def _listed(rows: list[Row], results: Results) -> str:
             "<br>".join(ours) or "none",
             "<br>".join(_comparison(row, results)),
         )
-        lines.append("* - " + "\n  - ".join(cells))
-    return "\n".join(lines) + "\n```\n"
+        lines.append(" | ".join(["", *(cell.replace("|", r"\|") for cell in cells), ""]).strip())
+    return "\n".join(lines) + "\n"
 
 
 def _picture(row: Row, path: str, results: Results) -> str:
-    """A small picture that leads to the page of its scenario."""
+    """A small picture that leads to its scenario."""
     name, _, picture = path.rpartition("/")
     if not (results(name) / picture).is_file():
         raise RuntimeError(f"{row.paper}, {row.number}: {name} draws no {picture}")
     words = picture.removesuffix(".png").replace("_", " ")
-    page = name.removeprefix("papers/")
-    return f"[![{row.paper}, {row.number}: {words}](gallery/{page}/{picture})](gallery/{page}.md)"
+    alt = f"{row.paper}, {row.number}: {words}"
+    return f"[![{alt}](pictures/papers/{_small_name(path)})](../scenarios/{name}.py)"
+
+
+def _small_name(path: str) -> str:
+    return path.removeprefix("papers/").replace("/", "_")
+
+
+def _small(picture: Path) -> bytes:
+    """The picture of a scenario in the size of the page, as PNG."""
+    drawn = Image.open(picture).convert("RGB")
+    size = (SMALL, round(SMALL * drawn.height / drawn.width))
+    data = io.BytesIO()
+    drawn.resize(size, Image.Resampling.LANCZOS).quantize(COLOURS).save(data, "PNG", optimize=True)
+    return data.getvalue()
+
+
+def _made(results: Results) -> dict[Path, bytes]:
+    """The page and its pictures as they are today, by their files."""
+    made = {PAGE: figures_page(results).encode()}
+    for path in (path for row in paper_rows() for path in row.ours):
+        name, _, picture = path.rpartition("/")
+        made[PICTURES / "papers" / _small_name(path)] = _small(results(name) / picture)
+    return made
+
+
+def changed_page(results: Results = scenario_results) -> list[str]:
+    """Files of the page that do not show what the scenarios give today, line by line."""
+    return [
+        f"{path.relative_to(REPOSITORY)}: shows an older state; run docs/build.py --papers"
+        for path, made in _made(results).items()
+        if not path.exists()
+        or (difference(path.read_text(), made.decode()) if path == PAGE else not alike(path, made))
+    ]
+
+
+def write_page(results: Results = scenario_results) -> None:
+    """Put the page and its pictures into the repository as they are today."""
+    made = _made(results)
+    for path in set((PICTURES / "papers").glob("*.png")) - made.keys():
+        path.unlink()
+    for path, data in made.items():
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(data)
 
 
 def _comparison(row: Row, results: Results) -> list[str]:

@@ -47,7 +47,7 @@ HEAD = """# Gallery
 Each entry is a question, a script of public names that answers it (`scenarios/`), what it prints
 and draws when these pages are built, and one number of it that each build holds. Every figure and
 table of the three papers that this project starts from has its place beside ours in [figures and
-tables of the papers](../figures_of_the_papers.md).
+tables of the papers](../../figures_of_the_papers.md).
 
 """
 

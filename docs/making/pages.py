@@ -12,7 +12,7 @@ from pathlib import Path
 from making.blocks import block_failures, pages_with_blocks
 from making.columns import variable_page
 from making.commands import command_page
-from making.figures_of_the_papers import figures_page
+from making.figures_of_the_papers import changed_page
 from making.gallery import gallery_pages, scenario_failures, scenario_names
 from making.model_file import model_file_page
 from making.pictures import changed_pictures
@@ -50,7 +50,7 @@ def run_everything() -> list[str]:
     runs += [partial(scenario_failures, name) for name in names if name not in LONG]
     with ThreadPoolExecutor(os.cpu_count()) as waiting:
         failed = [failure for failures in waiting.map(_timed, runs) for failure in failures]
-    return failed or changed_pictures()
+    return failed or [*changed_pictures(), *changed_page()]
 
 
 def _timed(run: Callable[[], list[str]]) -> list[str]:
@@ -81,7 +81,6 @@ def write_pages(folder: Path) -> None:
         "python.md": public_name_page(),
         "variables.md": variable_page(),
         "verification.md": verification_page(folder),
-        "figures_of_the_papers.md": figures_page(),
         **gallery_pages(folder / "gallery"),
     }
     for name, text in pages.items():

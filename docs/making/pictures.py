@@ -7,6 +7,7 @@ browser: without one it is not compared, unless ``FLEXMECH_REQUIRE_BROWSER`` is 
 
 from __future__ import annotations
 
+import io
 import shlex
 import shutil
 import subprocess
@@ -21,7 +22,7 @@ from making.blocks import block_folder
 from making.state import REPOSITORY, cache_folder, environment
 from tests.support.browser import MISSING, installed_browser, is_required
 
-__all__ = ["README", "changed_pictures", "write_pictures"]
+__all__ = ["PICTURES", "README", "alike", "changed_pictures", "write_pictures"]
 
 PICTURES = REPOSITORY / "docs" / "pictures"
 README = REPOSITORY / "README.md"
@@ -42,7 +43,7 @@ def changed_pictures() -> list[str]:
     return [
         f"docs/pictures/{name}: shows an older state; run docs/build.py --pictures"
         for name, made in _made().items()
-        if not _alike(PICTURES / name, made)
+        if not alike(PICTURES / name, made.read_bytes())
     ]
 
 
@@ -75,8 +76,10 @@ def _made() -> dict[str, Path]:
     return made
 
 
-def _alike(stored: Path, made: Path) -> bool:
-    before, now = (np.asarray(Image.open(path).convert("RGB"), float) for path in (stored, made))
+def alike(stored: Path, made: bytes) -> bool:
+    """Whether a picture of the repository is one of today, but for the edges of letters."""
+    files = (stored, io.BytesIO(made))
+    before, now = (np.asarray(Image.open(file).convert("RGB"), float) for file in files)
     return before.shape == now.shape and float(np.sqrt(np.mean((before - now) ** 2))) < TOLERANCE
 
 

@@ -188,11 +188,10 @@ class DampingRatioOptions(Options):
     Parameters
     ----------
     damping_ratio : float, optional
-        Damping ratio of the first natural frequency at rest, as in "0.1%" or 0.001, for all
-        links in place of the model's damping. Left out: the model's.
+        Damping ratio at the first natural frequency at rest, averaged over the turn, as in
+        "0.1%" or 0.001, for all links in place of the model's damping. Left out: the model's.
 
-        Z from 0 on and less than 1: the Kelvin-Voigt time of all links is 2 Z/omega_1, with that
-        frequency averaged over the turn.
+        Z from 0 on and less than 1: the Kelvin-Voigt time of all links is 2 Z/omega_1.
     """
 
     damping_ratio: Annotated[float | None, typed.DAMPING_RATIO] = None

@@ -126,8 +126,8 @@ def environment_of(
         raise InputError(f"{given} is given without {absent}; give both, or --moisture instead")
     if moisture is not None and time is not None:
         raise InputError(
-            "--moisture and --relative-humidity with --time are both given; keep one: how moist "
-            "the links are, or what they are exposed to"
+            "--moisture and --relative-humidity with --time are both given; keep one: the "
+            "moisture of the links, or their exposure"
         )
     if relative_humidity is not None and time is not None:
         return Exposure(temperature_rise, relative_humidity, time)

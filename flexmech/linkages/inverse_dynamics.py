@@ -293,7 +293,7 @@ def _what_is_wrong(topology: Topology, motion: RigidMotion, matrix: FloatArray) 
         if rank < unknowns:
             joint = _first_dependent(topology, case)
             faults.append(
-                f"joint {joint} constrains what the other joints already do; make it a pin, a "
+                f"joint {joint} repeats constraints of the other joints; make it a pin, a "
                 "slider or a free end"
             )
         if rank < equations:

@@ -407,7 +407,7 @@ def check_elastic(mechanism: Mechanism) -> None:
     if mechanism.springs or mechanism.joint_springs or mechanism.shaft_inertia:
         stiff = "as stiff as you like where springs, bearings or the shaft alone shall yield, "
     raise InputError(
-        "links: every link is rigid, and what is computed here is the vibration of elastic "
+        "links: every link is rigid, and this command computes the vibration of elastic "
         f"links; leave out rigid = true for one of them and give it a section, {stiff}or ask for "
         "the rigid motion and its forces by 'flexmech kinematics'"
     )

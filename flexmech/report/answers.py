@@ -166,7 +166,7 @@ _NOTHING = "-"
 
 
 def _missing(question: str, command: str) -> Card:
-    return Card(question, _NOTHING, "", (f"Nothing was computed: flexmech {command} tells it.",))
+    return Card(question, _NOTHING, "", (f"Not computed: flexmech {command} answers it.",))
 
 
 def _critical_speeds(results: Results) -> Card:
@@ -181,7 +181,7 @@ def _critical_speeds(results: Results) -> Card:
     said = found.said
     lines, further = [*said.answer[:1], *growth], said.answer[1:]
     if isinstance(found, MovingFrequencies):
-        lines.append("flexmech campbell tells which crank speeds to avoid.")
+        lines.append("flexmech campbell lists the crank speeds to avoid.")
         lowest = min(
             (one for one in said.numbers if one.name == "lowest_frequency"),
             key=lambda one: one.value,

@@ -148,7 +148,7 @@ def _parts(
         lacking["coupler-curve"] = "a coupler point in the model file, of a four-bar"
     if not exposed or not absorbing_links(mechanism):
         lacking["moisture"] = (
-            "--relative-humidity with --time, and links of which it is known how water diffuses"
+            "--relative-humidity with --time, and links with a stated diffusion of water"
         )
     if request.include is None:
         return tuple(part for part in choices.REPORT_PARTS if part not in lacking)

@@ -583,7 +583,7 @@ def _complete(study: Study, evaluated: Evaluated) -> FloatArray:
         raise InputError(
             f"{100 * (evaluated.status != 0).mean():.2g} % of the designs cannot be computed "
             f"({causes_of(evaluated)}; the first: {next(filter(None, evaluated.reasons))}); narrow "
-            "the ranges, or say in failure_values what each output counts as then"
+            "the ranges, or give the value of such outputs in failure_values"
         )
     return values
 

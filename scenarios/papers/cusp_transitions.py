@@ -22,7 +22,7 @@ from flexmech.linkages import DoublePoint, circuit_of, double_points, finite_dou
 Family = Callable[[float], tuple[FourBar, CouplerPoint]]
 # Part of the interval to which a cusp is located.
 LOCATED = 1e-12
-# Of the margin of a crunode at a cusp: beyond, the followed double point is another one.
+# Part of a crunode's margin at a cusp: beyond, the followed double point is another one.
 FOLLOWED = 1e-9
 
 

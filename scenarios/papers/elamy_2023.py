@@ -25,7 +25,7 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 from elamy_claims import composite_claims
-from elamy_linkages import crank_rocker_files, stored
+from elamy_linkages import GROUND, MODELS, THICKNESS, WIDTH, crank_rocker_files, stored
 from elamy_pictures import pictures_of
 from elamy_study import study_composites
 from elamy_tables import (
@@ -85,7 +85,12 @@ if __name__ == "__main__":
         figure.savefig(f"{name}.png")
 
     conclusions = stored("elamy_2023_claims")["conclusions"]
-    print(*verdict_sentences(answer.claims, conclusions), sep="\n")
+    print(*verdict_sentences("Elamy et al. 2023", answer.claims, conclusions), sep="\n")
+    print(
+        f"frequencies here: {MODELS[0][0]} plies, {MODELS[0][1]}; sizes are assumed (GROUND, "
+        f"THICKNESS, WIDTH of elamy_linkages.py): ground {1e3 * GROUND:g} mm, links "
+        f"{1e3 * THICKNESS:g} mm by {1e3 * WIDTH:g} mm"
+    )
     print(f"\n{claim_table(answer.claims).to_string()}")
     for words, table in printed_tables(answer.tables).items():
         print(f"\n{words}\n{table.to_string()}")

@@ -74,7 +74,8 @@ paper = published_tables().sel(laminate=list(LAMINATES))
 together = found.merge(paper.rename(damping="printed_damping"), join="left")
 print(together.to_dataframe().to_string(float_format="{:.6g}".format))
 
-print("mean decrease in %: printed, by the paper's measured tables, by our test; reproduced if")
+print("mean decrease in %: printed, by the paper's measured tables, by our test of straight plies")
+print("(elamy_2023.py computes woven ones); reproduced if")
 print("ours is within a tenth of the number printed; damping is not judged: no loss is printed")
 measured = {"frequency": paper["measured"], "damping": paper["damping"]}
 shown = {}

@@ -66,7 +66,7 @@ STRENGTHS = {
 """Strengths of the plies of Table 2's stacks, by their letters."""
 CRITERION = "max-stress"
 """It says in which way a ply fails; plies along the load bear little else than that."""
-_TURN = np.radians(np.arange(361.0))
+TURN = np.radians(np.arange(361.0))
 _SHARE, _FIBRES, _RESIN = 0.6, {"C": "carbon", "G": "E-glass"}, "polyester"
 _RUNNING_PLIES = ("woven", "table 2")
 _ORDERS: dict[str, list[Any]] = {
@@ -115,18 +115,21 @@ def study_composites(
 
     linkages = {"laminate": LAMINATES, "case": CASES}
     rest = tabulated(_at_rest, plies=PLIES, layers=LAYERS, **linkages)
-    rigid = tabulated(_with_rigid_joints, **linkages)["frequency"]
+    rigid = tabulated(_with_rigid_joints, **linkages)
     materials = _ORDERS["material"]
     peaks = tabulated(_in_motion, running_plies=_RUNNING_PLIES, material=materials, case=CASES)
     sections = tabulated(_sections_fail, layers=LAYERS, laminate=LAMINATES)
     breaks = tabulated(_breaks, layers=LAYERS, **linkages)
     printed, compared = published_tables(), list(POSITIONS)
     study = xr.merge([printed, laminate_properties(), peaks, sections, breaks], join="exact")
-    study = study.assign_coords(crank_angle=_TURN).assign(
+    study = study.assign_coords(crank_angle=TURN).assign(
         frequency=rest["frequency"].sel(position=compared),
         other_configuration=rest["frequency"].sel(position=SECOND, drop=True),
-        rigid_joints_frequency=rigid.sel(position=compared),
-        rigid_joints_other_configuration=rigid.sel(position=SECOND, drop=True),
+        **{f"{kind}_frequency": rigid[kind].sel(position=compared) for kind in rigid},
+        **{
+            f"{kind}_other_configuration": rigid[kind].sel(position=SECOND, drop=True)
+            for kind in rigid
+        },
         strain_energy_damping=rest["damping"].sel(position=compared),
         laminate_factor=laminate_factors(rest["frequency"].sel(position=compared)),
         published_laminate_factor=laminate_factors(
@@ -134,7 +137,7 @@ def study_composites(
         ),
         transmission_angle=(
             ("case", "crank_angle"),
-            [published_case(case).transmission_angle(_TURN) for case in CASES],
+            [published_case(case).transmission_angle(TURN) for case in CASES],
         ),
     )
     ours = (
@@ -166,15 +169,21 @@ def _at_rest(asked: tuple[str, str, str, int], make_engine: MakeEngine) -> pd.Da
 
 
 def _with_rigid_joints(asked: tuple[str, int], make_engine: MakeEngine) -> pd.DataFrame:
-    """The first plies, with links held against turning at A and B."""
+    """The first plies, links held against turning at A and B, the crank clamped or pinned at O2."""
     laminate, case = asked
     angles = position_angles(published_case(case))
     # Without prestress the angle at which the joints have no torque does not matter, so that one
     # linkage serves all positions.
     mechanism = with_rigid_joints(crank_rocker(case, laminate), float(angles[0]))
     engine = make_engine(mechanism, *BEAMS[CONVERGED])
-    found = flexmech.natural_frequencies(engine, angles, modes=1, prestress="none")[:, 0]
-    return pd.DataFrame({"position": _ORDERS["position"], "frequency": found})
+    found = {
+        kind: flexmech.natural_frequencies(one, angles, modes=1, prestress="none")[:, 0]
+        for kind, one in {
+            "rigid_joints": engine,
+            "literal_frame": engine.with_(shaft="free"),
+        }.items()
+    }
+    return pd.DataFrame({"position": _ORDERS["position"], **found})
 
 
 def _in_motion(asked: tuple[str, str, int], make_engine: MakeEngine) -> pd.DataFrame:
@@ -184,7 +193,7 @@ def _in_motion(asked: tuple[str, str, int], make_engine: MakeEngine) -> pd.DataF
     if material == "steel":
         section = BeamSection.rectangle(STEEL, THICKNESS, WIDTH)
         mechanism = replace(mechanism, sections=dict.fromkeys(mechanism.sections, section))
-    rigid = mechanism.inverse_dynamics(mechanism.linkage.motion(_TURN, CRANK_SPEED))
+    rigid = mechanism.inverse_dynamics(mechanism.linkage.motion(TURN, CRANK_SPEED))
     # Twice as many elements change no deflection by more than half a percent.
     engine = make_engine(mechanism, 4, "euler").fit_for(1)
     at_rest = flexmech.natural_frequencies(engine, position_angles(published_case(case)), modes=1)
@@ -339,3 +348,27 @@ def factor_uncertainty(study: xr.Dataset) -> xr.DataArray:
     """Relative uncertainty of each laminate's frequency in bending over that of C1."""
     change = relative_change(study, 0.5, -0.5)
     return spread_of(change - change.sel(laminate="C1"))
+
+
+def all_models(study: xr.Dataset) -> list[xr.DataArray]:
+    """Frequencies over position, laminate and case by each model, the first one ours.
+
+    Every model comes twice: in both configurations with a right transmission angle. The last is
+    that of rigid joints.
+    """
+    models = []
+    for kind in ("", "rigid_joints_"):
+        for values in in_both_configurations(study, kind):
+            chosen = [
+                {"plies": plies, "layers": layers, "beams": beams}
+                for (plies, layers), beams in product(MODELS, BEAMS)
+            ]
+            models += [values.sel(one, drop=True) for one in ([{}] if kind else chosen)]
+    return models
+
+
+def in_both_configurations(study: xr.Dataset, kind: str = "") -> list[xr.DataArray]:
+    """Frequencies of a kind with the first and with the second configuration with 90 deg."""
+    frequency = study[f"{kind}frequency"]
+    other = frequency.where(frequency["position"] != "90", study[f"{kind}other_configuration"])
+    return [frequency, other.transpose(*frequency.dims)]

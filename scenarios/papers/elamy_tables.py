@@ -20,7 +20,11 @@ from elamy_study import (
     spread_of,
 )
 
-SUPPORTS = ("clamped crank", "rigid joints")
+SUPPORTS = {
+    "clamped crank": "",
+    "rigid joints": "rigid_joints_",
+    "pinned crank, rigid joints": "literal_frame_",
+}
 # What every column of frequencies is divided by.
 _ONE = {"laminate": "C1", "case": 1, "position": "min"}
 _STRAIGHT = {"plies": "unidirectional", "layers": FLAT}
@@ -45,7 +49,7 @@ def frequency_table(study: xr.Dataset) -> pd.DataFrame:
         {"case": list(CASES), "position": _EVERYWHERE},
     )
     frames = []
-    for supports, kind in zip(SUPPORTS, ("", "rigid_joints_"), strict=True):
+    for supports, kind in SUPPORTS.items():
         other = study[f"{kind}other_configuration"].expand_dims(position=[SECOND])
         frequency = xr.concat([study[f"{kind}frequency"], other], "position")
         damping = study["strain_energy_damping"].reindex(position=_EVERYWHERE)

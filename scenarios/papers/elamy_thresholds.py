@@ -41,7 +41,7 @@ SPEEDS = np.linspace(0.2, 0.67, 672)
 FROZEN_SPEEDS = np.linspace(0.01, 0.67, 34)
 TURN = np.radians(np.arange(0.0, 361.0, 5.0))
 DAMPING_RATIO = 0.001  # at which bands are mapped
-# Of the thresholds. In percent the paper's damping factors, 0.231 to 0.461, lie among them.
+# Ratios of the thresholds. In percent the paper's damping factors, 0.231 to 0.461, lie among them.
 RATIOS = (0.001, 0.002, 0.005)
 PRINTED_FALL = 62.22  # by which frequencies fall from C1 to C6 in the paper, in percent
 BAND_COLOURS = {"First bands at these damping ratios": "#D55E00", "Other bands": "#56B4E9"}
@@ -92,7 +92,7 @@ scales = pd.DataFrame(
 )
 over_c1 = scales / scales.loc["C1", "across width"]
 
-# Of C1: other stackings stretch the map.
+# Results of C1: other stackings stretch the map.
 lowest, frequency, bands, thresholds, frozen, frozen_angle = {}, {}, {}, {}, {}, {}
 for case in MAPPED:
     engine = ReferenceEngine(crank_rocker(case, "C1"), 4, "euler")

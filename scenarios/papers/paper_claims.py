@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
+import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 Verdict = Literal["reproduced", "not reproduced", "undecidable", "not judged"]
 # A number counts as reproduced when ours is within a tenth of the one printed, or within twice
 # ours' own uncertainty where that is more.
 REPRODUCED_WITHIN = 0.10
 SPREADS = 2.0
+# Outcome of a test: texts of a claim by their names, ``holds`` and ``decidable`` if that can be
+# checked, and ``numbers`` for its reason.
+Found = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -116,6 +122,11 @@ class Claim:
         return f"{self.place}, {self.statement}: {known}"
 
     @property
+    def paper(self) -> str:
+        """Paper that the place names; empty for the one under test."""
+        return self.place.rpartition(", ")[0]
+
+    @property
     def concluded(self) -> str:
         """The statement, with the number printed where it is one of a number."""
         return (
@@ -171,6 +182,43 @@ def within_a_tenth(printed: float, computed: float) -> bool:
     return abs(computed - printed) <= REPRODUCED_WITHIN * abs(printed)
 
 
+def judged_by(band: Band, computed: float, unit: str, decimals: int = 2) -> Found:
+    """Our number held against one that is printed."""
+    edges = f"{band.edges[0]:.{decimals}f} to {band.edges[1]:.{decimals}f} {unit}".rstrip()
+    words = f"ours is outside {edges}"
+    if not band.decides:
+        words += f", which holds {band.no_effect:g} too and decides nothing"
+    return {
+        "holds": band.holds(computed),
+        "decidable": band.decides,
+        "spread": f"{band.spread:.{decimals}f} {unit}".rstrip() if band.spread else "",
+        "fails_if": words,
+    }
+
+
+def judged_by_order(difference: float, spread: float, words: str, least: float = 0.0) -> Found:
+    """An order that is claimed: by the least relative difference in it, negative if reversed."""
+    told = f"{100 * difference:z.2f} %"
+    if spread:
+        told += f" \N{PLUS-MINUS SIGN} {100 * spread:.2f} %"
+    return {
+        "holds": difference > least,
+        "decidable": spread == 0 or abs(difference) > SPREADS * spread,
+        "fails_if": f"{words}; the least difference is {told}",
+    }
+
+
+def numbers_in(printed: str) -> list[float]:
+    """Numbers in what is printed."""
+    return [float(number) for number in re.findall(r"[\d.]+", printed)]
+
+
+def span(numbers: ArrayLike, decimals: int = 2) -> str:
+    """Least and greatest of numbers in words, or the one that both are."""
+    ends = (f"{end:z.{decimals}f}" for end in (np.min(numbers), np.max(numbers)))
+    return " to ".join(dict.fromkeys(ends))
+
+
 def claim_lines(claims: Sequence[Claim]) -> Iterator[str]:
     """Claims under their verdicts, each with its numbers, what fails it, and the reason."""
     for verdict in get_args(Verdict):
@@ -190,14 +238,19 @@ def claim_table(claims: Sequence[Claim]) -> pd.DataFrame:
     """How many claims of each verdict there are, a row for each place of the paper."""
     places = list(dict.fromkeys(claim.place for claim in claims))
     counts = pd.crosstab([claim.place for claim in claims], [claim.verdict for claim in claims])
-    return counts.reindex(index=places, columns=get_args(Verdict), fill_value=0)
+    counts = counts.reindex(index=places, columns=get_args(Verdict), fill_value=0)
+    return counts.rename_axis(index=None, columns=None)
 
 
-def verdict_sentences(claims: Sequence[Claim], conclusions: Collection[str]) -> tuple[str, ...]:
+def verdict_sentences(
+    paper: str, claims: Sequence[Claim], conclusions: Collection[str]
+) -> tuple[str, ...]:
     """How many claims of each verdict there are, and what became of the paper's conclusions.
 
     Parameters
     ----------
+    paper : str
+        The one under test.
     claims : sequence of Claim
     conclusions : collection of str
         Statements of those claims that are conclusions.
@@ -205,25 +258,26 @@ def verdict_sentences(claims: Sequence[Claim], conclusions: Collection[str]) -> 
     Returns
     -------
     tuple of str
-        One to three sentences: the second names the conclusions that are not reproduced, with our
-        number, the third all others.
+        The verdicts by paper; then the conclusions that are not reproduced, with our number, and
+        all others.
     """
-    counts = Counter(claim.verdict for claim in claims)
-    numbers = [f"{counts[verdict]} are {verdict}" for verdict in get_args(Verdict)]
-    sentences = [f"Of the paper's {len(claims)} claims {', '.join(numbers)}."]
+    sentences = []
+    for other in dict.fromkeys(claim.paper for claim in claims):
+        counts = Counter(claim.verdict for claim in claims if claim.paper == other)
+        numbers = [f"{counts[verdict]} {verdict}" for verdict in get_args(Verdict)]
+        sentences.append(f"{other or paper}, {counts.total()} claims: {', '.join(numbers)}.")
     found: dict[Verdict, list[Claim]] = {verdict: [] for verdict in get_args(Verdict)}
     for claim in claims:
         if claim.statement in conclusions:
             found[claim.verdict].append(claim)
     missed = [f"{claim.concluded} (here {claim.computed})" for claim in found.pop("not reproduced")]
     if missed:
-        sentences.append(f"Of its conclusions these are not reproduced: {'; '.join(missed)}.")
+        sentences.append(f"Conclusions that are not reproduced: {'; '.join(missed)}.")
     others = [
         f"{verdict} ({'; '.join(claim.concluded for claim in group)})"
         for verdict, group in found.items()
         if group
     ]
     if others:
-        whose = "The others" if missed else "Its conclusions"
-        sentences.append(f"{whose} are {' or '.join(others)}.")
+        sentences.append(f"Other conclusions: {' or '.join(others)}.")
     return tuple(sentences)

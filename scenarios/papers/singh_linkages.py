@@ -17,7 +17,7 @@ RESINS = ("R-914", "8551-7")
 RISE = 80.0
 """Temperature rise of the paper's text in K."""
 RISE_OF_CAPTION = {"3": 95.0, "4": 95.0}
-"""Of the captions that name another one."""
+"""Temperature rise of the captions that name another one."""
 # Every figure is said to deviate: by more than a line's width of half a millimetre in a picture of
 # 100 mm.
 VISIBLE = 5e-3

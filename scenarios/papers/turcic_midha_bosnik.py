@@ -28,7 +28,7 @@ from flexmech.verification import verification_case
 ELEMENTS = 16
 # One angle in four is a published one.
 TURN = np.radians(np.linspace(0.0, 360.0, 201))
-# Of the published frequency, and between the engines on one mesh.
+# Deviations from the published frequency, and between the engines on one mesh.
 REPRODUCED, AGREES = 1e-3, 1e-5
 # What may explain the rest: elements a link, and kg at the pins A and B that round to 42 g.
 FEW_ELEMENTS, OTHER_MASS = 4, 0.0418

@@ -63,7 +63,7 @@ def test_transient_against_exudyn(aluminium, against, elements, level):
 
 
 def test_errors_of_the_steps(aluminium, benchmark, tell):
-    """Of four turns, against runs with an eighth of the step."""
+    """Errors over four turns, against runs with an eighth of the step."""
 
     def errors(run, engine):
         coarse, fine = (run(refined=refined, band=BAND) for refined in (1, 8))

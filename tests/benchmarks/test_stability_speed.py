@@ -16,7 +16,7 @@ from flexmech.threads import one_thread
 SPEED = 60.0
 STEPS = 320
 ACCURACY = 1e-6
-# Of a turn that the integrator runs, for one solution of the 144 that span all.
+# Part of a turn that the integrator runs, for one solution of the 144 that span all.
 PART = 0.05
 
 

@@ -87,7 +87,7 @@ def test_a_shipped_model_is_checked_with_its_name_source_and_links(model, comman
     mechanism = flexmech.load_mechanism(MODELS / f"{model}.toml")
     known = mechanism.provenance
     for word in (known.name, known.source, known.sha256, *mechanism.linkage.topology.link_names):
-        # Of tables with many columns names stand in several lines of a cell.
+        # Tables with many columns break names into several lines of a cell.
         assert word[:9] in ended.stdout
     assert (ended.table("check")["quantity"] == "frequency").any()
 
@@ -246,7 +246,7 @@ TEARS_FIRST = BeamSection.rectangle(
 
 
 def slider_crank(rod, offset=0.0):
-    """Of a crank of 60 mm, with its slider's line to the left of the shaft."""
+    """Slider-crank of a crank of 60 mm, its slider's line to the left of the shaft."""
     return of_points(
         {"O2": (0, 0), "A": (0.06, 0), "B": (0.06 + np.sqrt(rod**2 - offset**2), offset)},
         {"crank": ("O2", "A"), "rod": ("A", "B")},

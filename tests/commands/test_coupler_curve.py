@@ -44,7 +44,7 @@ def test_the_curve_is_written_dry_and_wet(journey: Journey) -> None:
 
 
 def test_its_double_point_is_where_two_passages_meet(journey: Journey) -> None:
-    """Of the dry curve alone; wet, the loop is gone."""
+    """The dry curve has it; wet, the loop is gone."""
     topology = journey.table("topology")
     columns = ["state", "kind", "crank_angle_1_deg", "crank_angle_2_deg", "x_m", "y_m"]
     assert list(topology) == columns

@@ -76,7 +76,7 @@ def test_a_run_by_a_law_has_its_speed_power_and_rest(journey: Journey) -> None:
 
 @pytest.mark.thorough
 def test_a_shaped_run_is_a_run_by_the_shaped_law(journey: Journey) -> None:
-    """Which a model file can state; its delay is told in ms."""
+    """A model file can state one; its delay is printed in ms."""
     data = journey.result().dataset
     times, weights = (
         tuple(data[name].values.tolist()) for name in ("impulse_time", "impulse_weight")
@@ -125,7 +125,7 @@ def test_what_rings_over_the_time_of_a_move_is_an_output_of_sweep(tmp_path, comm
 
 
 def test_a_law_without_a_dwell_shows_no_rest() -> None:
-    """What it leaves is known by the state at the stop alone."""
+    """The remaining vibration follows from the state at the stop alone."""
     law = LawDrive("cycloid", 1.0, 0.1)
     engine = ReferenceEngine(fourbar(), 1)
     result = response(engine, ResponseRequest(law, samples=100, step=5e-4, modes=2))

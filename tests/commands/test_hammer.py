@@ -55,7 +55,7 @@ def test_the_tables_of_a_locked_linkage(journey):
 
 
 def test_standard_errors_by_noise_are_printed_beside_what_is_identified(command):
-    """Of one crank angle the answer has twice as much to either side: a 95 % interval."""
+    """With one crank angle the answer has twice as much to either side: a 95 % interval."""
     model = ("hammer", "models/composite_fourbar.toml", "--angle", "96.9", "--no-plots", *COARSE)
     ended = command(*model, "--damping-ratio", "2%", "--noise", "1%", "--json")
     told = json.loads(ended.stdout)
@@ -178,7 +178,7 @@ def test_records_that_cannot_be_taken_are_refused_with_the_remedy(wrong):
 
 
 def test_a_pulse_alone_sets_the_band_to_its_inverse():
-    """And a short record is 1.25 to 1.4 times as wide as the highest of the modes asked for."""
+    """A short record reaches 1.25 to 1.4 times the highest of the modes asked for."""
     asked = {"modes": 2, "method": "circle-fit"}
     soft = hammer_test(DAMPED_ENGINE, HammerRequest(ANGLE, pulse=0.02, **asked)).dataset
     assert soft.attrs["bandwidth"] == pytest.approx(50.0)

@@ -133,7 +133,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Journey:
 
 
 def test_under_a_law_tables_are_over_time(driven: Journey) -> None:
-    """And the peaks of power are those told."""
+    """The peaks of power are those printed."""
     data = driven.result().dataset
     for name in ("kinematics", "forces", "drive", "shaking_force", "motion"):
         assert list(driven.table(name))[:2] == ["time_s", "crank_angle_deg"]

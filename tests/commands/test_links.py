@@ -149,7 +149,7 @@ def test_uptake_is_that_of_ficks_law(moisture):
         wet = found["moisture_percent"][rows][1:]
         np.testing.assert_allclose(wet, 7 * 0.85 * exact[1:], atol=1e-3)
         assert moisture.number("uptake", link) == pytest.approx(100 * exact[-1], abs=0.01)
-        # 99 % of it, at the time that is told.
+        # 99 % of it, at the printed time.
         time = moisture.number("time_to_saturation", link) * DAY
         assert slab(time, thickness, 6e-13) == pytest.approx(0.99, abs=1e-6)
 
@@ -205,7 +205,7 @@ def test_strength_files_hold_what_was_printed_and_load_back(strength):
 
 
 def test_a_margin_is_the_least_load_factor_of_its_link(strength):
-    """And it is the factor by which the stresses of the loads are multiplied until they fail."""
+    """The factor multiplies the stresses of the loads up to failure."""
     places, margins = strength.table("strength"), strength.table("margins")
     for row, link in enumerate(margins["part"]):
         least = places["load_factor"][places["link"] == link].min()

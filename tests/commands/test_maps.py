@@ -62,7 +62,7 @@ def test_at_the_ends_of_a_critical_range_an_order_meets_the_band(campbell):
 
 
 def test_an_operating_speed_in_a_critical_range_is_told_so(aluminium):
-    """Of ranges that the diagram cuts the end is no end of their own, and has no error."""
+    """The end of a range that the diagram cuts is not its own, and has no error."""
     running = replace(aluminium, operating_speeds=(29.0, 31.5))
     few = {"crank_angles": np.radians(np.arange(0, 360, 30)), "modes": 2}
     engine = flexmech.ReferenceEngine(running, 2)

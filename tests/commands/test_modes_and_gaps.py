@@ -66,7 +66,7 @@ def test_what_could_not_be_computed_is_never_clear(orders: list[int]) -> None:
     clear = re.findall(r"clear is .*? to ([0-9.]+) rad/s|from 0 to ([0-9.]+) rad/s is cri", avoid)
     assert len(clear) == 1
     assert float("".join(clear[0])) <= 1.005 * last
-    # And the frequency at an operating speed is that there, not that at the last speed asked for.
+    # The frequency at an operating speed is the one there, not the one at the last speed.
     told = {one.name: one.value for one in found.summary().numbers}
     [there] = natural_frequencies(engine, 0.0, 20.0, modes=1, prestress="none")
     assert told["lowest_frequency_at_operating_speed"] == pytest.approx(there, rel=3e-4)
@@ -75,7 +75,7 @@ def test_what_could_not_be_computed_is_never_clear(orders: list[int]) -> None:
 def test_rays_meet_bands_at_the_lowest_and_leave_them_at_the_highest_frequency(
     aluminium: Mechanism,
 ) -> None:
-    """Of the turn at that speed, whose extremes lie between the angles asked for."""
+    """Extremes of the turn at that speed lie between the angles asked for."""
     engine, angles = ReferenceEngine(aluminium, 2), np.radians(np.arange(0.0, 361.0, 5.0))
     result = campbell(engine, np.arange(44.0, 65.0, 3.0), crank_angles=angles, modes=1, orders=[5])
     (row,) = result.critical_speeds().query("nearest_relative_gap == 0").to_dict("records")
@@ -112,7 +112,7 @@ def test_where_fewer_modes_exist_than_usual_these_are_given_and_it_is_said(
 
 
 def test_a_single_rotation_term_is_counted_from_the_command_line(command: Any) -> None:
-    """And said in the table, the summary and the picture's title."""
+    """The table, the summary and the picture's title say so."""
     ended = command(
         *("frequencies", "models/aluminium_fourbar.toml", "--angles", "0,60", "--speeds", "0,20"),
         *("--rotation-terms", "coriolis", *QUICK),

@@ -89,7 +89,7 @@ def test_sizes_of_a_slider_crank_become_lengths_of_its_links(tmp_path):
 
 
 def test_a_terminal_is_asked_for_the_sizes_that_are_left_out():
-    """And once more where the answer has no unit."""
+    """An answer without a unit is asked for again."""
     asked = []
 
     def answer(words: str, usual: str) -> str:

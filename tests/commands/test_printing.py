@@ -1,4 +1,4 @@
-"""What commands print and where files go: words, JSON, nothing; pictures by format and width."""
+"""Printed answers and places of files: words, JSON, nothing; pictures by format and width."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What analyses of vibration, stability and runs refuse, by the name of what is wrong."""
+"""Refusals of analyses of vibration, stability and runs, by the wrong name or number."""
 
 from __future__ import annotations
 

@@ -151,7 +151,7 @@ def test_files_beside_a_model_end_up_in_its_text(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("base", ["planar", "four-bar"])
 def test_a_bearing_that_is_named_by_its_link_takes_loads(base: str) -> None:
-    """And joints of the ground are places of the ground."""
+    """Joints of the ground may be named as its places."""
     spring = '[springs.s]\npoints = ["O4", "A"]\nstiffness = "1 N/m"\nfree_length = "0 m"\n'
     text = f"{template(base)}\n{spring}" + "".join(
         f'[loads.{name}]\npoint = "O4"\nlink = "rocker"\n{acting}\n'

@@ -1,4 +1,4 @@
-"""What scripts give by mistake: every public function runs, or refuses it by its name."""
+"""Slips of scripts: every public function runs, or refuses the argument by its name."""
 
 from __future__ import annotations
 

@@ -221,7 +221,7 @@ def test_a_damaged_store_is_refused_and_force_begins_again(tmp_path):
 
 
 def failed(folder: Path, text: str) -> tuple[str, dict[str, np.ndarray]]:
-    """What a search says that finds no optimum, and the row of its best design."""
+    """Message of a search without an optimum, and the row of its best design."""
     ended = run_command(folder / "out", "optimize", study_file(folder, text=text), "--no-plots")
     assert ended.exit_code == 1, ended.stderr
     assert ended.stderr.count("\n") == 1
@@ -231,7 +231,7 @@ def failed(folder: Path, text: str) -> tuple[str, dict[str, np.ndarray]]:
 
 @pytest.mark.thorough
 def test_where_no_design_keeps_the_limit_the_nearest_stands_in_a_file(tmp_path):
-    """And a model file of an earlier optimum beside it is named."""
+    """The model file of an earlier optimum beside it is named."""
     text = TEXT.replace('"0.33 N m"', '"0.001 N m"')
     told, best = failed(tmp_path, text)
     assert str(tmp_path / "out/optimize/pareto.csv") in told

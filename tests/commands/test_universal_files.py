@@ -106,7 +106,7 @@ def test_what_was_read_is_written_the_same_again(file, tmp_path):
 
 
 def test_fields_stand_in_the_columns_of_the_format(file):
-    """Of data sets 58, 15 and 164, which other programs read by position."""
+    """Fields of data sets 58, 15 and 164, which other programs read by position."""
     blocks = {}
     for block in file.read_text().split("    -1\n")[1::2]:
         lines = block.splitlines()

@@ -73,7 +73,7 @@ def test_the_table_has_a_row_a_number_and_loads_back(six, tmp_path):
 
 @pytest.mark.parametrize("factor", [0.5, 2.0, np.nan])
 def test_every_case_fails_where_its_last_number_is_off_by_twice_the_tolerance(factor):
-    """And where it is none."""
+    """A number that is not finite is a deviation too."""
     for case in verification_cases(thorough=True):
         known = not isinstance(case.expected, Computation)
         expected = case.expected_values() if known else np.array([1.0, 2.0])

@@ -136,7 +136,7 @@ def test_a_stiffer_laminate_moves_frequencies_of_both_engines_alike() -> None:
         before, after = (frequencies(e, 0.0) for e in (engine, engine.with_(mechanism=stiffer)))
         moved.append(after / before - 1)
     assert moved[0].max() > 0.03
-    # Of the change, which the elements' own errors hardly touch.
+    # Tolerance of the change, which the elements' own errors hardly touch.
     assert moved[1] == pytest.approx(moved[0], abs=0.02 * moved[0].max())
 
 

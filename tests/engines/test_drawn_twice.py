@@ -421,7 +421,7 @@ def heavy_strip(axis: float, elements: int, *, of_bodies: bool) -> Mechanism:
     [(ReferenceEngine, "timoshenko"), (ExudynEngine, "geometrically-exact")],
 )
 def test_a_heavy_side_is_a_chain_of_bodies(make: Make, element: str) -> None:
-    """What tells it from its mirror image comes to that of bodies with the square of the mesh."""
+    """Its distance from its mirror image becomes that of bodies with the square of the mesh."""
 
     def told_apart(n: int, *, of_bodies: bool) -> np.ndarray:
         above, below = (
@@ -461,7 +461,7 @@ def test_a_body_ahead_of_a_bowed_strip_is_that_of_other_codes(make: Make) -> Non
 
 @ENGINES
 def test_a_mass_on_a_shared_pin_is_one_mass(make: Make) -> None:
-    """Of a joint where three links meet, or of a body on any of them there."""
+    """At a joint of three links the mass may sit at the joint or on a body of any of them."""
     own = case("three links on a pin").mechanism
     bare = replace(own, joint_masses={})
     length = {link.name: link.length for link in own.linkage.topology.links}

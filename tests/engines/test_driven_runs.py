@@ -67,7 +67,7 @@ def gap(data: xr.Dataset, name: str) -> float:
     ids=["curve with control", "on a coupling", "dc", "dc on a coupling"],
 )
 def test_both_engines_start_alike_under_a_motor(motor: Any, control: Any) -> None:
-    """What elastic links do to the shaft is its rotation away from the rigid linkage's."""
+    """Elastic links rotate the shaft away from the rigid linkage's angle."""
     data = run(motor, control, time=0.03)
     assert gap(data, "shaft_rotation") < 0.04
     assert gap(data, "deflection") < 0.06
@@ -83,7 +83,7 @@ def test_both_engines_start_alike_under_a_motor(motor: Any, control: Any) -> Non
 
 @pytest.mark.thorough
 def test_the_work_of_the_motor_is_in_the_energies() -> None:
-    """But for what the mesh leaves: a quarter of it with twice the elements."""
+    """The error of the mesh remains: twice the elements leave a quarter of it."""
     request = ResponseRequest(MotorDrive(CURVE, time=0.03), samples=60, modes=2, step=4e-5)
     errors = []
     for elements in (2, 4):
@@ -98,7 +98,7 @@ def test_the_work_of_the_motor_is_in_the_energies() -> None:
 @pytest.mark.thorough
 @pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
 def test_a_heavy_flywheel_turns_as_prescribed(kind: Any) -> None:
-    """What elastic links do to it falls as one over its inertia."""
+    """The effect of elastic links on the shaft falls as one over its inertia."""
     away = []
     for inertia in (0.5, 5.0):
         heavy = replace(FOUR_BAR, shaft_inertia=inertia)

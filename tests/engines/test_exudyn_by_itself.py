@@ -27,7 +27,7 @@ from flexmech.mechanics.running import LinkState
 from flexmech.mechanism import Provenance
 from tests.support.mechanisms import case
 
-# Of the peak deflection: what a script and the program may differ by.
+# Part of the peak deflection by which a script and the program may differ.
 SAME = 1e-6
 SHORT = ResponseRequest(
     ConstantSpeed(20.0), revolutions=0.025, step=np.pi / 10 / 720, start="rigid"

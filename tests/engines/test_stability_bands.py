@@ -135,6 +135,9 @@ def test_damped_links_are_judged_about_their_motion_and_undamped_ones_about_the_
     assert asked.attrs["motion_distance"] == pytest.approx(distance, rel=0.1)
     assert 0.05 < still.dataset.attrs["motion_distance"] < 0.2
     assert "quasi-static equilibrium" in " ".join(still.summary().answer)
+    # Near a critical speed the motion is farther away than its peak.
+    still.dataset.attrs["motion_distance"] = 1.1
+    assert " 110 % of its peak" in " ".join(still.summary().answer)
 
 
 @pytest.mark.thorough

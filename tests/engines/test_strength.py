@@ -49,7 +49,7 @@ def aluminium() -> Mechanism:
 
 
 def largest_gaps(first: xr.DataArray, second: xr.DataArray) -> np.ndarray:
-    """Of each link, over its greatest value."""
+    """Largest difference of each link, over its greatest value."""
     one, other = (each.transpose("link", ...).values for each in (first, second))
     gaps = np.nanmax(np.abs(one - other), axis=(1, 2))
     return np.asarray(gaps / np.nanmax(np.abs(one), axis=(1, 2)))

@@ -44,7 +44,7 @@ class Fault:
     old: str
     new: str
     tests: tuple[str, ...] = ()
-    # Which of several equal texts; the table holds texts that stand once in their files.
+    # Index among equal texts; the table holds texts that stand once in their files.
     offset: int | None = None
 
     def source(self) -> str:

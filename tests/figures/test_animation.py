@@ -40,7 +40,7 @@ def count_near(frame: np.ndarray, color: str) -> int:
 
 @pytest.mark.thorough
 def test_the_linkage_moves_and_its_path_grows(tmp_path: Path) -> None:
-    """Of 9 samples the last is the first again and is left out: 8 frames on white."""
+    """The last of 9 samples repeats the first and is left out: 8 frames on white."""
     calls: list[tuple[int, int]] = []
     path = tmp_path / "run.gif"
     plots.write_animation(one_turn(9), path, progress=lambda *call: calls.append(call))

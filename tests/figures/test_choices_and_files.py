@@ -1,4 +1,4 @@
-"""What a figure shows can be chosen; files and notebooks hold it with its letters."""
+"""The content of a figure can be chosen; files and notebooks hold it with its letters."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_a_chosen_mode_stands_in_a_panel_among_others_of_the_user() -> None:
 
 
 def test_letters_in_axes_of_the_user_are_those_of_his_settings() -> None:
-    """Of the legend and of the second axis too."""
+    """Letters of the legend and of the second axis too."""
     settings = {"font.family": "DejaVu Serif", "legend.fontsize": 15.0, "xtick.labelsize": 13.0}
     data = results.response().dataset
     with mpl.rc_context(settings):
@@ -97,7 +97,7 @@ def test_deflections_too_small_for_millimetres_are_in_a_smaller_unit() -> None:
 
 @pytest.mark.parametrize("plot", [plots.plot_response, plots.plot_forces], ids=lambda p: p.__name__)
 def test_a_periodic_motion_is_drawn_over_one_turn(plot) -> None:  # type: ignore[no-untyped-def]
-    """Of two turns; other runs are drawn whole."""
+    """One of two turns is drawn; other runs are drawn whole."""
     data = results.response().dataset
     for start, turns in (("periodic", 1.0), ("rigid", 2.0)):
         axes = panels(plot(data.assign_attrs(start=start)))[0]

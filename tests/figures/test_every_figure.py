@@ -1,4 +1,4 @@
-"""What holds of every figure: letters are read, colours are told apart, and axes may be given."""
+"""Every figure: letters are legible, colours distinguishable, and axes may be given."""
 
 from __future__ import annotations
 

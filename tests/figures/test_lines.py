@@ -52,7 +52,7 @@ def along(force: xr.DataArray) -> xr.DataArray:
 
 
 def receptance(data: xr.Dataset, which: str = "receptance") -> xr.DataArray:
-    """Of the first crank angle."""
+    """Receptance at the first crank angle."""
     return (data[f"{which}_real"] + 1j * data[f"{which}_imag"]).isel(crank_angle=0)
 
 
@@ -270,7 +270,7 @@ DRAWN: dict[Plot, list[Row]] = {
 
 
 def labels_of(figure: Figure, axes: Axes, number: int, columns: int) -> set[str]:
-    """What stands beside a panel, above it and above its column, and beside all panels."""
+    """Labels beside a panel, above it and above its column, and beside all panels."""
     above = panels(figure)[number % columns].get_title("left")
     texts = (axes.get_ylabel(), above, figure.get_supylabel())
     return {text.replace("\n", " ") for text in texts}

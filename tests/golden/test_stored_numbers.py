@@ -35,7 +35,7 @@ LOOSER = {
     r"hammer (identified.csv|printed): .*": (1e-4, 1e-6, 1e-12),
     # Limits of an index of 1 by a bootstrap of few samples, whose ties round-off decides.
     r"uncertainty sensitivity.csv: .*_(low|high)": (0.02, 0.0, 0.02),
-    # Of undamped linkages they are round-off.
+    # Without damping they are round-off.
     r".*damping_ratio": (1e-6, 1e-9, 1e-10),
 }
 # Phases of what does not vibrate, the frequency of a rotation that nothing holds, and how many

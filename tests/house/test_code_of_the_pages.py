@@ -1,4 +1,4 @@
-"""What the build of the documentation refuses: other printed numbers, code that fails.
+"""Refusals of the documentation's build: other printed numbers, code that fails.
 
 The build itself runs all pages: ``python docs/build.py``.
 """

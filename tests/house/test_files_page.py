@@ -42,7 +42,7 @@ def test_what_a_schema_names_is_there(analysis: str) -> None:
 
 
 def test_every_variable_of_a_result_is_declared() -> None:
-    """But for coordinates that are names, such as those of links."""
+    """Coordinates that are names, such as links, have none."""
     result = flexmech.kinematics(
         flexmech.load_mechanism(ROOT / "models" / "slider_crank.toml"), 1.0
     )

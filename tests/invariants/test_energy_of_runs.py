@@ -86,7 +86,7 @@ def test_damping_takes_what_the_shaft_gives_and_the_links_lose(
 def test_the_energy_error_is_the_greatest_imbalance_of_the_energies_beside_it(
     aluminium: Mechanism, kind: Any, prestress: Any
 ) -> None:
-    """Of a damped run whose step is found, and the limit of vanishing steps taken."""
+    """A damped run: at its own step, and in the limit of vanishing steps."""
     request = ResponseRequest(
         ConstantSpeed(20.0), 0.1, samples=60, start="rigid", prestress=prestress, modes=2
     )
@@ -183,7 +183,7 @@ def test_periodic_motion_converges_in_second_order_of_the_step(aluminium: Mechan
 def test_a_damped_run_ends_in_the_periodic_motion(
     aluminium: Mechanism, prestress: str, most: float
 ) -> None:
-    """Which is found with other steps than those of the run."""
+    """The error follows from other steps than those of the run."""
     step, mechanism = 2 * np.pi / 20.0 / 720, damped(aluminium, 1e-3)
     settings = {"samples": 20, "prestress": prestress}
     settled = run(mechanism, step, 3.0, start="rigid", **settings)["deflection"].values

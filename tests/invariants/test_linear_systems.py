@@ -1,4 +1,4 @@
-"""What holds for the linear equations of any linkage: symmetry, reversal, mirror, scaling."""
+"""The linear equations of any linkage: symmetry, reversal, mirror, scaling."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ levels = st.sampled_from(LEVELS)
 
 
 def engine_of(mechanism: Mechanism, *, reduced: bool = False, elements: int = 2) -> ReferenceEngine:
-    """Of slender elements, named: to choose them for each mechanism takes longer than the rest."""
+    """Engine of slender elements, named because choosing them takes longer than the test."""
     count = max(elements, 1 + len(mechanism.link_masses))
     return ReferenceEngine(mechanism, count, "euler", component_modes=reduced)
 
@@ -78,7 +78,7 @@ def test_frozen_matrices_are_symmetric_and_positive_definite(case: Running, leve
 @few
 @given(running_mechanisms(), levels)
 def test_matrices_are_those_of_a_lagrangian(case: Running, level: str) -> None:
-    """Of ``z'Mz/2 + z'Bz - zAz/2``: C = M' + B - B^T, K = A + B', whose skew part is half of C's.
+    """``z'Mz/2 + z'Bz - zAz/2``: C = M' + B - B^T, K = A + B', whose skew part is half of C's.
 
     Rates are central differences over the crank angle.
     """
@@ -202,7 +202,7 @@ def test_gravity_counts_as_prestress_and_like_an_acceleration_of_the_ground() ->
 def test_modes_are_those_of_a_dense_solver(
     case: Running, level: str, terms: bool, damping_time: float
 ) -> None:
-    """And residuals of the eigenproblem are round-off, vectors of unit modal mass."""
+    """Residuals of the eigenproblem are round-off; vectors have unit modal mass."""
     lossy = replace(case, mechanism=damped(case.mechanism, damping_time))
     system = system_of(lossy, level, terms=terms)
     mass, damping, stiffness = system.mass[0], system.damping[0], system.stiffness[0]
@@ -222,7 +222,7 @@ def test_modes_are_those_of_a_dense_solver(
 
 
 def test_component_modes_are_right_on_a_strongly_bowed_linkage() -> None:
-    """Of the unreduced equations, to 1e-4."""
+    """They give the frequencies of the unreduced equations to 1e-4."""
     section = fourbar(thickness=(3e-3, 3e-3, 3e-3), width=10e-3).sections["crank"]
     linkage = FourBar(ground=0.275, crank=0.164, coupler=0.2, rocker=0.166)
     mechanism = Mechanism(linkage, dict.fromkeys(LINKS, section), {"A": 0.01, "B": 0.03})

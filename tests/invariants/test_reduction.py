@@ -1,4 +1,4 @@
-"""What must change nothing: component modes, positions and designs computed side by side."""
+"""Choices without effect: component modes, positions and designs computed side by side."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def test_designs_swept_together_have_the_frequencies_of_each_alone(aluminium: Me
 
 @pytest.mark.parametrize("modes", [3, 4])
 def test_links_of_two_elements_whose_modes_miss_nothing_stay_as_they_are(modes: int) -> None:
-    """What their few coordinates miss is round-off, and the eigenvalue of a matrix its own."""
+    """The few coordinates miss round-off alone, and each matrix has its own eigenvalue."""
     engine = ReferenceEngine(load_mechanism("models/steel_fourbar.toml"), elements=2)
     angles = np.radians(np.arange(0.0, 360.0, 30.0))
     for speed in range(112, 133, 2):

@@ -1,4 +1,4 @@
-"""What holds for the forces in every rigid linkage: balance, energy, slopes, symmetry."""
+"""The forces in every rigid linkage: balance, energy, slopes, symmetry."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def turning_links(case: LoadedLinkage, joint: str) -> list[int]:
 @settings(max_examples=60)
 @given(loaded_linkages())
 def test_all_power_becomes_kinetic_energy(case: LoadedLinkage) -> None:
-    """Of torque, weight, loads, springs and dampers, on any linkage at any rate.
+    """Power of torque, weight, loads, springs and dampers, on any linkage at any rate.
 
     A term is a force times a velocity; its size is counted before what is at right angles cancels.
     What the crank's joints carry has a power too, which drops out.
@@ -151,7 +151,7 @@ def cross(arm: np.ndarray, force: np.ndarray) -> float:
 
 
 def at_the_end(case: LoadedLinkage, forces: InverseDynamics, link: str) -> tuple[np.ndarray, float]:
-    """What joints do to a link's end: force, and couple on it."""
+    """Force and couple of the joints on a link's end."""
     topology, end = case.topology, LinkEnd(link, "end")
     force, couple = np.zeros(2), 0.0
     for holder in (*topology.clamps, *topology.pivots, *topology.sliders):
@@ -234,7 +234,7 @@ def unloaded(name: str) -> Mechanism:
     "name", ["steel_fourbar", "slider_crank", "watt_six_bar", "carton_pusher", "rotating_l_beam"]
 )
 def test_in_a_run_up_torque_and_accelerations_are_rates(name: str) -> None:
-    """Of kinetic energies and of places, which have no acceleration in them."""
+    """Rates of kinetic energies and of places, which contain no acceleration."""
     mechanism = unloaded(name)
     masses = mechanism.link_masses_in_order
     mass = np.array([each.moment(0) for each in masses])

@@ -1,4 +1,4 @@
-"""What holds for the motion of every rigid linkage: closed loops, rates that are derivatives."""
+"""The motion of every rigid linkage: closed loops, rates that are derivatives."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ def test_multipliers_are_those_of_ground_axes(
 def test_a_mirrored_linkage_that_runs_backwards_is_the_same(
     aluminium: Mechanism, time: float
 ) -> None:
-    """So is one that runs backwards: its equations are the adjoint ones in reversed time."""
+    """A linkage that runs backwards has the adjoint equations in reversed time."""
     plain = damped(aluminium, time)
     mirrored = replace(plain, linkage=replace(plain.linkage, branch="crossed"))
     first, *others = (
@@ -144,7 +144,7 @@ def with_connectors(mechanism: Mechanism) -> Mechanism:
 
 
 def integrated_multipliers(engine: Any, speed: float, prestress: Any) -> ComplexArray:
-    """Of a turn of ``M z'' + C z' + K z = 0`` by an explicit Runge-Kutta code.
+    """Multipliers of a turn of ``M z'' + C z' + K z = 0`` by an explicit Runge-Kutta code.
 
     In all coordinates of the link frames, with all rotation terms; the matrices between the
     crank angles by periodic cubic splines.

@@ -56,7 +56,7 @@ def test_forces_of_an_euler_element_are_the_gradient_of_its_strain_energy(q):
 @given(q=deformed, angle=numbers(-2.5, 2.5))
 @settings(max_examples=15)
 def test_tangents_are_derivatives_of_forces_that_turn_with_the_element(kind, q, angle):
-    """Of all theories, bent, stretched and off the pins' axis."""
+    """All theories, bent, stretched and off the pins' axis."""
     shapes = BEAM_SHAPES[kind]
     section = BeamSection.rectangle(Material(70e9, 2700.0, 0.3), 1 / 8, 0.02)
     if kind != "reddy":

@@ -51,7 +51,7 @@ def held(fits: list[Fit], widening: float = 1.0) -> float:
 
 
 def test_intervals_of_95_percent_hold_for_white_noise():
-    """Of 200 between 181 and 198 hold with a probability of 0.999.
+    """Between 181 and 198 of 200 intervals hold with a probability of 0.999.
 
     Their standard error is the noise over the slope by the rate that no amplitude makes up for.
     """

@@ -122,7 +122,7 @@ def test_modes_that_die_out_within_a_step_are_known_or_refused() -> None:
 
 
 def test_shapes_make_up_for_whole_turns_of_the_exponent() -> None:
-    """An angle of 4.1 rad a period is told as one of 4.1 - 2 pi."""
+    """An angle of 4.1 rad a period is given as 4.1 - 2 pi."""
     turn = 4.1 * np.array([[0.0, 1.0], [-1.0, 0.0]])
     modes, steps = floquet_modes(constant(turn, 1.0), 20), 20
     shapes = modes.shapes()

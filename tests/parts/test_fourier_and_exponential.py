@@ -15,7 +15,7 @@ HARMONICS = 5
 
 
 def values(parts: FloatArray, phase: FloatArray, rate: int = 0) -> FloatArray:
-    """Of a trigonometric polynomial by its cosine and sine parts (2, h + 1, 2, 3)."""
+    """Values of a trigonometric polynomial by its cosine and sine parts (2, h + 1, 2, 3)."""
     order = 2 * np.pi * np.arange(HARMONICS + 1)
     turn = np.exp(1j * np.outer(phase, order)) * (1j * order) ** rate
     return np.einsum("pk,kij->pij", turn, parts[0] - 1j * parts[1]).real
@@ -50,7 +50,7 @@ def test_the_highest_harmonic_of_an_even_number_of_samples_is_left_out() -> None
 
 @pytest.mark.parametrize("count", [21, 61])
 def test_the_tail_of_a_series_is_the_error_between_the_samples(count: int) -> None:
-    """Of ``1 / (1 + 0.8 cos)``, whose harmonics fall by a half each."""
+    """The harmonics of ``1 / (1 + 0.8 cos)`` fall by a half each."""
 
     def function(phase: FloatArray) -> FloatArray:
         return np.asarray(1 / (1 + 0.8 * np.cos(2 * np.pi * phase)))

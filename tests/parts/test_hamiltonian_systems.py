@@ -137,7 +137,7 @@ def combination(sign: float) -> Hamiltonian:
 
 
 def product_of_signatures(modes: FloquetModes) -> float:
-    """Of the two multipliers of the upper half circle, which meet at a combination resonance."""
+    """Product over both multipliers of the upper half circle, which meet at a combination."""
     upper = modes.angle > 0
     assert upper.sum() == 2
     return float(np.prod(np.sign(krein_signature(modes.shapes()[0])[upper])))

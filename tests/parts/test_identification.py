@@ -52,7 +52,7 @@ def test_a_pole_is_stable_within_half_a_percent_of_frequency_and_5_of_damping(
     ("orders", "filled", "chosen"), [(20, 5, 1), (20, 4, 0), (10, 4, 1), (10, 3, 0)]
 )
 def test_a_column_of_stable_poles_is_a_mode_in_a_fifth_of_the_orders(orders, filled, chosen):
-    """And in three of them at least; none is stable where it begins. What grows is no mode."""
+    """Three orders at least; the first of a column is not stable, and a growing pole is no mode."""
     nothing = np.zeros(0, dtype=complex)
     column = [np.array([pole_at(10, 0.01)])] * filled + [nothing] * (orders - filled)
     assert stabilisation_chart(column, 0.0).chosen.size == chosen
@@ -88,7 +88,7 @@ def test_refined_poles_stay_within_a_twentieth_of_their_first_place():
 
 @pytest.mark.parametrize(("energy", "kept"), [(23.0, False), (37.0, True)])
 def test_noise_looks_like_a_mode_once_in_a_thousand_bands(energy, kept):
-    """Of a mode's energy over the variance of the noise, which adds four: the limit is 31."""
+    """Energy of a mode over the variance of the noise, which adds four: the limit is 31."""
     pole = pole_at(50.0, 0.005)
     exact = modes_of(pole)
     exact *= np.sqrt(energy / np.sum(abs(exact) ** 2))

@@ -47,7 +47,7 @@ def test_a_free_vibration_takes_a_step_of_the_diagonal_pade_approximation() -> N
 
 
 def test_powers_are_integrated_as_the_stages_are() -> None:
-    """Of a cubic up to each end exactly, of a parabola also up to each middle."""
+    """Cubics are exact up to each end, parabolas also up to each middle."""
     step, time = 0.1, 0.1 * np.arange(7)
     work = parabolic_work(step, np.stack([time**2, time**3]))
     assert work[0] == pytest.approx(time**3 / 3, abs=1e-12)
@@ -111,7 +111,7 @@ def test_a_peak_of_a_cosine_between_its_samples_is_found_to_fourth_order() -> No
         np.testing.assert_allclose(where, peaks, atol=0.1 * spacing)
         errors.append(np.abs(size - 1).max())
     assert errors[1] == pytest.approx(errors[0] / 16, rel=0.2)
-    # Of a history that grows, the end.
+    # The peak of a growing history is its end.
     assert peaks_between(np.arange(5.0)[:, None] ** 2, np.arange(5.0)) == ([16.0], [4.0])
 
 

@@ -78,7 +78,7 @@ def test_a_name_fits_the_damping_that_closes_its_band() -> None:
 
 
 def test_runs_of_growth_lie_between_speeds_at_which_nothing_grows() -> None:
-    """And are open at the ends and where the equilibrium ends."""
+    """Bands are open at the ends of the map and where the equilibrium ends."""
 
     def samples(growth: dict[float, float]) -> list[Sample]:
         return [Sample(speed, rate, rate) for speed, rate in growth.items()]

@@ -1,4 +1,4 @@
-"""What a campaign of designs keeps: the same bytes whoever computes it, however it was interrupted.
+"""Files of a campaign of designs: the same bytes whoever computes it, however it is interrupted.
 
 Designs are computed by a function in the place of the mechanism.
 """
@@ -34,7 +34,7 @@ def scripted(designs: np.ndarray) -> np.ndarray:
 
 
 class StoppedError(Exception):
-    """What ends a campaign in its midst."""
+    """Interruption of a campaign."""
 
 
 @dataclass
@@ -181,7 +181,7 @@ def test_tasks_of_costly_designs_are_one_each_and_those_of_cheap_ones_grow():
 
 def test_what_is_no_executor_is_refused_with_the_name_of_one():
     class AutoExecutor:
-        """Of submitit: it hands out jobs, which are no futures."""
+        """Executor of submitit: it hands out jobs, which are no futures."""
 
         def submit(self, *task: object) -> object:
             return object()
@@ -224,7 +224,7 @@ SEARCH = replace(SWEEP, limits=(Limit("mass", greatest=0.1),), goals=(Goal("mass
 
 
 def masses(designs: np.ndarray) -> np.ndarray:
-    """Of crank, coupler and rocker by the thicknesses of the last two."""
+    """Masses of crank, coupler and rocker by the thicknesses of the last two."""
     links = 2923.0 * 25.4e-3 * (designs @ np.array([0.2794, 0.2667]))
     return (2698.0 * 4.24e-3 * 25.4e-3 * 0.102 + links)[:, None]
 

@@ -18,7 +18,7 @@ RPM = math.pi / 30
 
 @cache
 def diagram(damped: bool = True) -> flexmech.CampbellDiagram:
-    """Of the packer from 900 to 1250 rpm, in which orders 6 to 8 meet its first frequency."""
+    """The packer from 900 to 1250 rpm, where orders 6 to 8 meet its first frequency."""
     mechanism = flexmech.load_mechanism(PACKER)
     if not damped:
         sections = {k: s.with_damping_time(0.0) for k, s in mechanism.sections.items()}
@@ -50,7 +50,7 @@ def test_a_linkage_is_amplified_as_its_periodic_motion_at_large_displacements_sa
 
 
 def test_an_arm_under_gravity_is_amplified_as_a_mass_on_a_spring():
-    """Whose frequency is the arm's; its other modes carry 2 % of the deflection."""
+    """Its frequency is the arm's; other modes carry 2 % of the deflection."""
     section = flexmech.BeamSection.rectangle(flexmech.Material(70e9, 2700.0), 3e-3, 30e-3)
     section = section.with_damping_ratio(0.02, 3.0)
     arm = flexmech.Mechanism(

@@ -56,7 +56,7 @@ AT_REST = {"prestress": "none", "rotation_terms": False}
 
 
 def off_axis(angles: tuple[float, ...], width: float, twist: str | None = None) -> BeamSection:
-    """Of plies at angles in degrees, its width over the thickness."""
+    """Section of plies at angles in degrees, its width over the thickness."""
     layers = tuple(Layer(CARBON, THICKNESS / len(angles), np.radians(a)) for a in angles)
     laminate = LaminateSection(Laminate(layers), width * THICKNESS, twist=twist)  # type: ignore[arg-type]
     return BeamSection.of_laminate(laminate)
@@ -148,7 +148,7 @@ def test_solid_rectangles_have_the_stiffness_of_elasticity(ratio: float, torsion
 
 
 def test_edges_are_all_of_a_narrow_link_and_nothing_of_a_wide_one() -> None:
-    """Of [30/-30]s; one angle alone has its modulus along at any width (Lekhnitskii)."""
+    """Plies [30/-30]s; one angle alone keeps its modulus at any width (Lekhnitskii)."""
     angles = (30, -30, -30, 30)
     laminate = off_axis(angles, 1).layers.laminate
     alone = 1 / np.linalg.inv(laminate.transformed_stiffness[0])[0, 0] * THICKNESS**3 / 12

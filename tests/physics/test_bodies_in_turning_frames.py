@@ -95,7 +95,7 @@ def test_an_arm_that_carries_a_body_hangs_back_as_an_elastica(
 
 
 def test_an_arm_that_is_folded_back_buckles_under_its_own_inertia() -> None:
-    """What lies inward of its clamp is pressed outward, the more the farther it moves."""
+    """Mass inward of the clamp is pressed outward, the more the farther it moves."""
     points = {"O2": (0.0, 0.0), "B": (0.25, 0.0), "C": (0.05, 0.0)}
     links = {"arm": ("O2", "B"), "leg": ("B", "C")}
     folded = drawn(points, links, {"O2": "clamp", "B": "weld"}, rigid=("arm",))
@@ -116,7 +116,7 @@ ENGINES = pytest.mark.parametrize(
 
 
 def first_frequency(masses: list[tuple[float, float]], engine: tuple, elements: int) -> np.ndarray:
-    """Of a four-bar with a soft crank and a coupler that carries point masses."""
+    """First frequency of a four-bar with a soft crank and point masses on its coupler."""
     material = Material(70e9, 2700, 0.3)
     sections = {
         link: BeamSection.rectangle(material, thickness, 20e-3)

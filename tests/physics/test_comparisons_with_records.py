@@ -177,7 +177,7 @@ TIMES = {"crank": 2e-5, "coupler": 4e-5, "rocker": 2e-5}
 
 @cache
 def receptance() -> tuple[np.ndarray, np.ndarray]:
-    """Of a locked crank, exact, at frequencies from 20 to 120 Hz."""
+    """Exact receptance of a locked crank from 20 to 120 Hz."""
     engine = ENGINE.with_(mechanism=damped(ALUMINIUM, **TIMES))
     points = {"impact": LinkPoint("coupler", 0.5), "response": LinkPoint("rocker", 0.5)}
     asked = {"bandwidth": 130.0, "modes": 2, "method": "circle-fit"}
@@ -281,14 +281,14 @@ def held(results: list[Comparison]) -> int:
 @pytest.mark.thorough
 @pytest.mark.parametrize("memory", [0.0, 0.8])
 def test_of_30_records_26_give_their_damping_back(memory):
-    """Of 30 intervals of 95 % fewer than 26 hold with a probability of 0.016."""
+    """Fewer than 26 of 30 intervals of 95 % hold with a probability of 0.016."""
     records = (gauge_record(seed, noise=0.03, memory=memory) for seed in range(30))
     assert held([compared(record) for record in records]) >= 26
 
 
 @pytest.mark.thorough
 def test_of_12_records_without_crank_angle_10_give_their_damping_back():
-    """Of 12 intervals of 95 % fewer than 10 hold with a probability of 0.02."""
+    """Fewer than 10 of 12 intervals of 95 % hold with a probability of 0.02."""
     first = np.random.default_rng(0).integers(180, size=12)
     records = (
         gauge_record(1000 + seed, int(begin), angle=False, noise=0.03)

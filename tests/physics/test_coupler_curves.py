@@ -30,7 +30,7 @@ few = settings(max_examples=15)
 
 @st.composite
 def curves(draw: st.DrawFn) -> CouplerCurve:
-    """Of crank-rockers with the ground as unit, away from locking and change points."""
+    """Crank-rockers with the ground as unit, away from locking and change points."""
     crank, coupler, rocker = (draw(numbers(*of)) for of in ((0.1, 0.4), (0.75, 1.2), (0.75, 1.2)))
     ordered = sorted((1.0, crank, coupler, rocker))
     assume(ordered[0] + ordered[3] < ordered[1] + ordered[2] - 0.05)
@@ -39,7 +39,7 @@ def curves(draw: st.DrawFn) -> CouplerCurve:
 
 
 def by_differences(function, angle, step=1e-3):
-    """Of fourth order."""
+    """Derivative by central differences of fourth order."""
     near, far = (function(angle + n * step) - function(angle - n * step) for n in (1, 2))
     return (8 * near - far) / (12 * step)
 

@@ -74,7 +74,7 @@ def opening(linkage: FourBar, point: CouplerPoint, double) -> float:
 @few
 @given(postures(), points, st.booleans())
 def test_both_passages_close_and_meet(posture: Posture, point: CouplerPoint, upper: bool) -> None:
-    """Of linkages of every class; the sextic is zero there and stationary."""
+    """Linkages of every class; the sextic is zero at the double point and stationary."""
     linkage = posture.linkage
     angle = abs(posture.crank_angle) * (1 if upper else -1)
     for double in double_points(linkage, point, angle):
@@ -208,7 +208,7 @@ def test_moisture_at_which_the_loop_is_a_cusp(figure: int, appears: bool) -> Non
 
 
 def random_lengths(random: np.random.Generator, number: int, *, grashof: bool) -> np.ndarray:
-    """Of assembled linkages that are not within 1e-3 of a change point; (number, 4)."""
+    """Lengths (number, 4) of linkages that assemble, 1e-3 or more from a change point."""
     lengths = random.uniform(0.1, 2.0, (40 * number, 4))
     ordered = np.sort(lengths, axis=1)
     excess = ordered[:, 0] + ordered[:, 3] - ordered[:, 1] - ordered[:, 2]

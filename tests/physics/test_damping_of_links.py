@@ -192,7 +192,7 @@ def with_times(mechanism: Mechanism, frequency: float) -> Mechanism:
 
 @pytest.mark.parametrize("mode", [0])
 def test_kelvin_voigt_equivalent_has_the_same_damping_at_its_frequency(mode: int) -> None:
-    """To first order: the gap falls with the square of the damping."""
+    """They agree to first order: the gap falls with the square of the damping."""
     gaps = []
     for scale in (1.0, 0.5):
         losses = [

@@ -65,7 +65,7 @@ def test_kaws_stresses_of_cooling() -> None:
     ply = replace(PLY, thermal_expansion=(0.02e-6, 22.5e-6))
     laminate = Laminate.stacked([ply] * 2, 5e-3, [0.0, np.pi / 2])
     stress = residual_ply_stresses(LaminateSection(laminate, 20e-3), -75.0, np.zeros(2))
-    # Of the layer at 90 deg on its outer face, along and across its own fibres.
+    # The layer at 90 deg, on its outer face, along and across its own fibres.
     assert [f"{each:.4g}" for each in stress[1, 1, :2]] == ["4.718e+07", "7.535e+06"]
 
 

@@ -192,7 +192,7 @@ def test_no_counterweights_near_a_compromise_are_better() -> None:
 
 
 def test_of_the_force_alone_a_compromise_is_the_full_balance() -> None:
-    """And of the shaking moment alone nothing on the crank helps, about whose axis it is."""
+    """No weight on the crank reduces the shaking moment alone, which is about the crank's axis."""
     data, full = (rigidly(fourbar(), weights=w).dataset for w in ((1, 0, 0), None))
     for name in ("counterweight_mass", "counterweight_place"):
         np.testing.assert_allclose(data[name], full[name], rtol=1e-6, atol=1e-9)
@@ -246,7 +246,7 @@ def test_other_linkages_are_refused_with_what_they_have(mechanism: object, said:
 
 
 def test_greatest_values_are_sought_between_the_crank_angles() -> None:
-    """Of steps of 30 degrees as of 0.1 degrees, and as the model with the weights has them."""
+    """Steps of 30 degrees give those of 0.1 degrees, and those of the model with the weights."""
     coarse, fine = (
         rigidly(fourbar(), crank_angles=np.radians(np.arange(0.0, 360.05, step))).dataset
         for step in (30.0, 0.1)

@@ -35,7 +35,7 @@ def freudenstein(linkage: FourBar) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize(("branch", "sign"), [("open", -1), ("crossed", 1)])
 def test_the_branches_are_the_roots_of_freudensteins_quadratic(branch: str, sign: int) -> None:
-    """And K3 of the steel mechanism is 1.26698, as printed."""
+    """K3 of the steel mechanism is 1.26698, as printed."""
     k1, k2, k3 = freudenstein(STEEL_LINKAGE)
     assert k3 == pytest.approx(1.26698, abs=5e-6)
     a = np.cos(TURN) - k1 - k2 * np.cos(TURN) + k3

@@ -86,7 +86,7 @@ def test_the_force_is_a_half_sine_of_the_pulse_stated():
 
 
 def test_a_record_lasts_until_the_vibration_has_decayed_to_1e_4():
-    """Of deflections of a millionth of the link at most, which leave it linear."""
+    """Deflections are at most a millionth of the link, so that it stays linear."""
     response = np.abs(struck_arm().dataset["response"].values[0, 0])
     end = response[-len(response) // 50 :].max()
     assert 1e-7 * response.max() < end < 1.1e-4 * response.max()
@@ -215,7 +215,7 @@ def test_nodes_and_shapes_of_a_universal_file_lie_on_the_linkage(files):
 
 
 def test_damping_identified_from_the_written_file_alone_is_that_of_the_eigen_model(tmp_path):
-    """What the exponential window added, half the damping or more, is off what is written."""
+    """The written damping excludes the window's, which is half of it or more."""
     length = 0.3 * roved_test().dataset.attrs["duration"]
     test = hammer_test(damped_engine(), HammerRequest(ANGLES[1:], modes=3, duration=length))
     data = test.dataset.isel(crank_angle=0)

@@ -50,7 +50,7 @@ RESIDUES = SHAPES * SHAPES[HIT] / (2j * POLES.imag)
 
 
 def receptance(lines: np.ndarray, added_damping: float = 0.0) -> np.ndarray:
-    """Of a pinned beam with the shapes sin(k pi x)."""
+    """Receptance of a pinned beam with the shapes sin(k pi x)."""
     return modal_sum(added_damping + 2j * np.pi * lines, POLES, RESIDUES)
 
 
@@ -223,7 +223,7 @@ def test_one_record_is_coherent_and_noise_lowers_the_coherence():
 
 
 RATE, SAMPLES, RUNG = 512.0, 1024, 20.0
-"""Of records in which a mode of 20 Hz rings, damped by half a percent."""
+"""Sampling of records in which a mode of 20 Hz rings, damped by half a percent."""
 
 
 def rung(seed: int, decay_rate: float, noise: float = 0.05, of_force: float = 0.01) -> FrfEstimate:
@@ -249,7 +249,7 @@ def rung(seed: int, decay_rate: float, noise: float = 0.05, of_force: float = 0.
 
 @pytest.mark.parametrize(("noise", "of_force"), [(0.05, 0.0), (0.0, 0.01)])
 def test_the_noise_of_h1_has_the_covariance_of_windows_and_pulse(noise, of_force):
-    """Of 300 draws: neighbours are alike under a window, and 140 Hz are twice as noisy as 20 Hz."""
+    """In 300 draws a window makes neighbours alike, and 140 Hz twice as noisy as 20 Hz."""
     exact, lines = rung(0, 4.0, 0.0, 0.0).h1, [39, 40, 120, 280, 281]
     draws = [rung(seed, 4.0, noise, of_force) for seed in range(300)]
     apart = np.stack([(draw.h1 - exact)[lines] for draw in draws])
@@ -272,7 +272,7 @@ def test_the_noise_of_h1_has_the_covariance_of_windows_and_pulse(noise, of_force
 
 @pytest.mark.parametrize("decay_rate", [4.0, pytest.param(6.0, marks=pytest.mark.thorough)])
 def test_what_is_identified_scatters_as_its_standard_errors_say(decay_rate):
-    """Of ten records a standard deviation is between 0.5 and 1.7 times the true one (98 %).
+    """The standard deviation of ten records is 0.5 to 1.7 times the true one (98 %).
 
     Were the noise of all lines independent and equal, the errors would be 2.2 to 2.6 times as wide.
     """

@@ -40,7 +40,7 @@ def test_zv_and_zvd_are_those_of_singer_and_seering(ratio: float) -> None:
 
 
 def test_residuals_without_damping_have_closed_forms() -> None:
-    """Of two equal impulses half a period apart, of twice two, and of EI."""
+    """Two equal impulses half a period apart, twice two, and EI."""
     cosine = np.abs(np.cos(np.pi / 2 * RATIOS))
     for kind, expected in (
         ("zv", cosine),

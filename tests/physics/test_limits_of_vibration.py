@@ -70,7 +70,7 @@ def drawn(kind: str, rigid: tuple[str, ...], stiff: tuple[str, ...], factor: flo
 def test_a_rigid_link_is_the_limit_of_an_ever_stiffer_one(
     kind: str, rigid: tuple[str, ...], prestress: Any
 ) -> None:
-    """What is left falls with the stiffness, by a hundred for a hundred."""
+    """The difference falls with the stiffness, by a hundred for a hundred."""
 
     def frequency(mechanism: Mechanism) -> Any:
         engine = ReferenceEngine(mechanism, 8, "euler", component_modes=False)
@@ -214,7 +214,7 @@ def test_a_rotating_arm_under_its_weight_answers_as_in_closed_form() -> None:
         bent = data["deflection"].values
         cosine = 2 * np.mean(bent[:-1] * np.cos(data["crank_angle"].values[:-1]))
         amplified = 1 / (1 - 2 * part**2)
-        # Of the static shape 1.5 % belongs to higher modes, which are not amplified.
+        # Higher modes, which are not amplified, make 1.5 % of the static shape.
         assert -cosine / static == pytest.approx(amplified, rel=0.02 * amplified)
 
 

@@ -98,7 +98,7 @@ def test_outputs_are_those_of_single_runs_of_the_changed_model_file(tmp_path):
 
 
 def test_the_transmission_angle_is_the_least_of_both_ends_and_their_supplements():
-    """Of a longer ground the obtuse end is the worse one."""
+    """A longer ground makes the obtuse end the worse one."""
     (angle,) = outputs_of(
         ALUMINIUM, {"linkage.ground": [0.254, 0.4]}, a=Output("transmission_angle")
     )
@@ -223,7 +223,7 @@ def test_the_printed_error_is_the_greatest_of_all_rows_and_designs_near_a_limit_
 
 
 def test_the_distance_of_a_path_from_a_point_is_measured_between_crank_angles():
-    """That of the crank's tip is a circle."""
+    """The path of the crank's tip is a circle."""
     tip = replace(ALUMINIUM, coupler_point=CouplerPoint(0.0, 0.0))
     (apart,) = outputs_of(
         tip, {"crank-speed": [1.0]}, e=Output("path_error", angles=4, points=((0.09, 0.07),))

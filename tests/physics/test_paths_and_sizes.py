@@ -159,7 +159,7 @@ def test_means_of_a_turn_are_integrals_of_the_rigid_linkage(tmp_path: Path) -> N
 
 
 def test_means_under_a_motor_are_over_the_run_and_its_rotor_is_compared(tmp_path: Path) -> None:
-    """Of the motor on its own shaft; the mean inertia of the linkage by its energy."""
+    """Means on the motor's own shaft; the linkage's mean inertia follows from its energy."""
     ended = run_command(tmp_path / "out", "kinematics", "tests/golden/models/dc.toml", "--no-plots")
     found, drive = sizes(ended.folder), ended.table("drive")
     time, torque = drive["time_s"], drive["motor_torque_Nm"]
@@ -184,7 +184,7 @@ def _centre_velocity(motion, link: int, mass) -> np.ndarray:
 
 
 def test_means_of_a_run_are_those_of_its_last_turn(tmp_path: Path) -> None:
-    """Of a motion that begins periodic; its ends differ by what the time step leaves."""
+    """The motion begins periodic; its ends differ by the error of the time step."""
     words = ("--engine", "reference", "--elements", "2", "--samples", "120", "--modes", "1")
     model = "models/aluminium_fourbar.toml"
     ended = run_command(tmp_path / "out", "response", model, *ONE_TURN, *words, "--json")

@@ -12,7 +12,7 @@ from flexmech import ExudynEngine, ReferenceEngine
 from flexmech.analyses import ResponseRequest
 from flexmech.solvers import nonlinear_orbit
 
-# Of settled nonlinear runs on fine meshes at 1200 rpm, coupler off its chord, in m.
+# Settled nonlinear runs on fine meshes at 1200 rpm: coupler off its chord, in m.
 SETTLED = 1.1343e-3
 
 

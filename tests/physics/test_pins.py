@@ -82,7 +82,7 @@ def slider_crank() -> Mechanism:
 
 
 def rigid(mechanism: Mechanism, speed: StrengthRequest | float) -> Strength:
-    """Of links that are taken as rigid, whose forces can be had by hand."""
+    """Strength of links taken as rigid, whose forces follow by hand."""
     asked = speed if isinstance(speed, StrengthRequest) else StrengthRequest(speed)
     return strength(mechanism, replace(asked, source="rigid"))
 

@@ -57,7 +57,7 @@ def of_four_bar(body: str) -> flexmech.Mechanism:
 
 
 def of_six_bar(body: str) -> flexmech.Mechanism:
-    """That of the template, whose coupler is a rigid triangle."""
+    """The template's linkage, whose coupler is a rigid triangle."""
     text = re.sub(
         r'(points = \["A", "B", "C"\]).*\n(?:\w.*\n)+', r"\1\nrigid = true\n", template("planar")
     )

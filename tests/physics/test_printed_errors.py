@@ -106,7 +106,7 @@ def test_the_mesh_is_refined_to_the_tolerance_of_each_engine(aluminium: Mechanis
 
 
 def test_errors_by_steps_are_true_within_a_factor_of_two(aluminium: Mechanism) -> None:
-    """Of the deflection over the greatest one, against a run of a quarter of the step."""
+    """Error of the deflection over the greatest one, against a run of a quarter of the step."""
     engine = ReferenceEngine(aluminium, 2)
     found, fine = (
         response(

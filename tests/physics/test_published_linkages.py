@@ -76,7 +76,7 @@ def test_the_model_of_turcic_midha_and_bosnik_is_what_they_state(models: Path) -
         assert section.bending_stiffness == bending
         assert section.mass_per_length == pytest.approx(density * area, rel=1e-12)
         assert section.rotary_inertia == pytest.approx(density * bending / modulus, rel=1e-6)
-        # Of a rectangle, of which the thickness is known by area and second moment.
+        # A rectangle's thickness follows from its area and second moment.
         thickness = np.sqrt(12 * bending / (modulus * area))
         assert section.in_plane_thickness == pytest.approx(thickness, rel=1e-4)
     lengths = {"ground": 0.254, "crank": 0.108, "coupler": 0.2794, "rocker": 0.2705}

@@ -39,9 +39,9 @@ from tests.support.random_mechanisms import log_uniform
 
 FloatArray = NDArray[np.float64]
 CRANK = 1e-4
-# Of the table of the force in each of its periods; between them it is linear.
+# Rows of the table of the force in each of its periods; it is linear between them.
 ROWS = 96
-# Of an edge: eight elements a half wave leave 4e-5, an error of fourth order; the table and the
+# Tolerance of an edge: eight elements a half wave leave 4e-5 (fourth order); the table and the
 # bow of a rod in equilibrium as much.
 ELEMENTS, EDGE = 8, 1e-4
 

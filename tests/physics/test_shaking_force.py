@@ -172,7 +172,7 @@ def test_orders_add_up_to_the_force_whatever_angles_are_asked_for() -> None:
     data = kinematics(mechanism, asked).dataset
     angles = np.radians(np.arange(0.0, 361.0, 7.0))
     force = kinematics(mechanism, 100.0, crank_angles=angles).dataset["shaking_force"].values
-    # What is beyond order ten: the tenth itself is of that size.
+    # Orders beyond ten are of the size of the tenth.
     rest = data["shaking_force_order"].values[-1]
     assert 0 < rest < 1e-3 * np.abs(force).max()
     assert waves(data, angles).sum(axis=0) == pytest.approx(force, abs=2 * rest)

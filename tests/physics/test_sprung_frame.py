@@ -102,7 +102,7 @@ def test_an_unbalanced_arm_shakes_its_frame_as_a_rotor_does(models: Path) -> Non
 def test_the_work_of_the_drive_is_the_energy_with_that_of_the_frame(
     aluminium: flexmech.Mechanism,
 ) -> None:
-    """What is left is the error of the time step: of second order in it."""
+    """The remaining error is that of the time step, of second order."""
     mechanism = replace(on_springs(aluminium, sprung((2e4, 4e4))), gravity=(0.0, -9.81))
     mechanism = replace(mechanism, loads=(PUSH,))
     turn = 2 * np.pi / 20.0
@@ -133,7 +133,7 @@ def test_springs_put_on_the_floor_the_mean_of_what_shakes_the_frame(
 
 
 def test_dampers_of_the_frame_damp_its_modes(models: Path, tmp_path: Path) -> None:
-    """Of the frame alone c / (2 sqrt(k m)); what the links add to its mass lowers it."""
+    """The frame alone has c / (2 sqrt(k m)); what the links add to its mass lowers it."""
     file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
     engine = flexmech.ReferenceEngine(flexmech.load_mechanism(file), elements=4)
     result = flexmech.moving_frequencies(engine, ANGLES[:2], [0.0], modes=3)
@@ -154,7 +154,7 @@ def test_a_turn_damps_a_frame_under_a_stiff_arm_as_dampers_do(models: Path) -> N
     mass = frame.mass + float(arm.link_masses_in_order[0].moment(0))
     decay = -np.sort(data["log_modulus"].values.ravel()) * 20.0 / (2 * np.pi)
     assert decay[2:] == pytest.approx(np.repeat([10.0, 6.0], 2) / (2 * mass), rel=1e-3)
-    # Of a frequency in turns of the crank the angle of a multiplier has what is beyond whole ones.
+    # The angle of a multiplier is the frequency in turns of the crank, less whole turns.
     turns = np.sqrt(np.array([8e3, 18e3]) / mass - np.array([3.0, 5.0]) ** 2 / mass**2) / 20.0
     angles = np.abs(data["angle"].values.ravel())
     for angle in 2 * np.pi * np.abs(turns - np.round(turns)):
@@ -496,7 +496,7 @@ def test_a_rotor_behind_a_gear_turns_its_frame_back(
 def test_a_run_from_the_periodic_motion_on_a_frame_ends_as_it_begins(
     heavy: flexmech.Mechanism, kind: Any, near: float
 ) -> None:
-    """Of the reference but for the square of the frame's rotation, of Exudyn at any rotation."""
+    """The reference leaves out the square of the frame's rotation; Exudyn takes any rotation."""
     springs = tuple(flexmech.FrameSpring((x, -0.08), (2e3, 4e3), (30.0, 30.0)) for x in (0, 0.25))
     mechanism = on_springs(heavy, flexmech.SprungFrame(2.0, 0.03, (0.127, -0.02), springs))
     asked = {"start": "periodic", "revolutions": 1.0, "shaft": "prescribed", "kinds": [kind]}

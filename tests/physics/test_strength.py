@@ -47,7 +47,7 @@ def arm(**others: object) -> Mechanism:
 
 
 def rigid(mechanism: Mechanism, asked: StrengthRequest | float) -> Strength:
-    """Of links that are taken as rigid, whose forces can be had by hand."""
+    """Strength of links taken as rigid, whose forces follow by hand."""
     request = asked if isinstance(asked, StrengthRequest) else StrengthRequest(asked)
     return strength(mechanism, replace(request, source="rigid"))
 
@@ -379,7 +379,7 @@ def test_factors_do_not_depend_on_places_and_crank_angles_asked_for() -> None:
 
 
 def test_the_printed_error_of_factors_holds_against_a_fine_model() -> None:
-    """Of links bent at rest: four times the elements, steps of a degree."""
+    """Links bent at rest: four times the elements, steps of a degree."""
     coarse, fine = (
         strength(
             yielding_fourbar(elements),

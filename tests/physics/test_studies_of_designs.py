@@ -62,7 +62,7 @@ def test_shares_of_ishigamis_function_lie_within_their_intervals(shares, index, 
 
 
 def test_intervals_of_shares_are_drawn_by_the_seed():
-    """And shares that few samples tell little of are told as intervals, with a warning."""
+    """Shares from few samples are intervals, with a warning."""
     three = study(*(thickness(1e-3, 3e-3, link=link) for link in LINKS))
     one, again, other = (
         uncertainty_study(replace(three, seed=seed), 16, executor=Scripted(ishigami))
@@ -258,7 +258,7 @@ SCATTERED = density(2923.0, 150.0)
 
 
 def masses(designs: np.ndarray) -> np.ndarray:
-    """Of crank, coupler and rocker by the coupler's thickness and the density of both."""
+    """Masses of crank, coupler and rocker by the coupler's thickness and the density of both."""
     thick, heavy = designs.T
     section = 0.2794 * thick + 0.2667 * 1.6e-3
     return (2698.0 * 4.24e-3 * 25.4e-3 * 0.102 + heavy * 25.4e-3 * section)[:, None]

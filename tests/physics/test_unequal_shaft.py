@@ -29,9 +29,9 @@ from flexmech import (
 from tests.support.random_mechanisms import log_uniform
 from tests.support.running_modes import ArmInBearing
 
-# Of the disk's mass: what the arm adds is of this size.
+# Part of the disk's mass that the arm adds.
 LIGHT = 1e-7
-# Of an exponent, over the critical speeds: the arm's mass, and round-off of its stiff directions.
+# Error of an exponent over the critical speeds: the arm's mass, round-off of stiff directions.
 SAME = 1e-6
 ENGINES: list[tuple[Any, str]] = [(ReferenceEngine, "euler"), (ExudynEngine, "ancf")]
 

@@ -27,7 +27,7 @@ import flexmech.cli
 from tests.support.command import run_command
 
 TEMPORARY = ".flexmech-"
-"""Of the names of folders in which sets of files are made."""
+"""Start of the names of folders in which sets of files are made."""
 PATIENCE = 300.0
 """In s; what takes longer hangs."""
 

@@ -81,7 +81,7 @@ def test_the_brief_page_is_small_and_needs_nothing_else(write: Write) -> None:
 
 
 def test_what_no_analysis_answers_is_a_line_with_its_remedy(tmp_path: Path) -> None:
-    """Of a model without strengths, and of a folder without a run."""
+    """A model without strengths, and a folder without a run."""
     model = tmp_path / "unknown.toml"
     text = (MODELS.parent / MODEL).read_text(encoding="utf-8")
     model.write_text(re.sub(r"(?m)^yield_strength.*$", "", text), encoding="utf-8")
@@ -93,8 +93,8 @@ def test_what_no_analysis_answers_is_a_line_with_its_remedy(tmp_path: Path) -> N
     results.check().save(tmp_path / "check")
     ended = run_command(tmp_path, "report", tmp_path / "check", "--brief", "--out", page)
     assert ended.exit_code == 0, ended.stderr
-    assert text_of(page).count("flexmech response tells it") == 3
-    assert "flexmech campbell tells it" in text_of(page)
+    assert text_of(page).count("flexmech response answers it") == 3
+    assert "flexmech campbell answers it" in text_of(page)
 
 
 @pytest.mark.thorough

@@ -63,7 +63,7 @@ def turn(page: Any, angle: float) -> None:
 
 
 def assert_tells(text: str, value: float, least: float = 10.0) -> None:
-    """The first number of a text is a value rounded to the digits told, which are two at least."""
+    """The first number of a text is a value rounded to the printed digits, two or more."""
     told = re.search(r"-?\d+(?:\.(\d+))?", text)
     assert told, text
     digit = 0.51 * 10.0 ** -len(told[1] or "")

@@ -43,7 +43,7 @@ def worst_station(data: xr.Dataset, link: str) -> int:
 
 
 def last_turn(values: Values) -> Values:
-    """Of a run of two turns; where it begins, at 0 degrees, the page shows its end."""
+    """Values of the last of two turns; where it begins, at 0 degrees, the page shows its end."""
     return lambda d: values(d).isel(time=slice(d.sizes["time"] // 2 + 1, None))
 
 
@@ -316,7 +316,7 @@ def test_distributions_have_unit_area_and_intervals_lie_about_the_shares(fourbar
 
 
 def test_readings_are_the_numbers_of_the_maps_and_runs(fourbar: Page) -> None:
-    """What stands beside the linkage at a crank angle."""
+    """Readings beside the linkage at a crank angle."""
     data = results.frequencies().dataset
     chosen = {"engine": "exudyn", "state": "dry", "speed": "20 rad/s"}
     readings = {

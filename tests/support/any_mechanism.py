@@ -42,7 +42,7 @@ from tests.support.strategies import numbers, postures
 
 PUBLISHED = published_constituents()
 _WET = flexmech.load_mechanism(MODELS / "moist_composite_fourbar.toml").sections["coupler"].layers
-# Of a resin that takes up water by Fick's law.
+# A resin that takes up water by Fick's law.
 KNOWN = _WET.laminate.layers[0].ply.resin.hygrothermal
 
 

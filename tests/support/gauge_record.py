@@ -55,7 +55,7 @@ def gauge_record(
     factor: float = 1.0,
     offset: float = 0.0,
 ) -> MeasuredRecord:
-    """Of a strain gauge, from a sample on, with noise that lives on from sample to sample."""
+    """Record of a strain gauge from a sample on; its noise is correlated over samples."""
     time, turned, strain = (values[first:] for values in history())
     white = np.random.default_rng(seed).standard_normal(len(strain))
     noisy = lfilter([np.sqrt(1 - memory**2)], [1.0, -memory], white) * noise * strain.std()

@@ -1,4 +1,4 @@
-"""What every command owes its user: files that hold what it has printed, and load back as it."""
+"""Duties of every command: files hold the printed answer, and load back as it."""
 
 from __future__ import annotations
 

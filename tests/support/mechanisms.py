@@ -58,7 +58,7 @@ ALUMINIUM = Material(68.9e9, 2923.0, yield_strength=240e6)
 
 
 def strip(thickness: float, damping_time: float = 0.0) -> BeamSection:
-    """Of aluminium, 25.4 mm wide."""
+    """Section of aluminium, 25.4 mm wide."""
     section = BeamSection.rectangle(ALUMINIUM, thickness, 25.4e-3)
     return section.with_damping_time(damping_time)
 

@@ -60,7 +60,7 @@ def carbon_epoxy(random: np.random.Generator) -> Ply:
 
 
 def laminate(random: np.random.Generator, link: Link) -> BeamSection:
-    """Of carbon and epoxy; a third of them not symmetric, so that the pins are off the axis.
+    """Carbon and epoxy; a third of the stacks is not symmetric, so that the pins are off the axis.
 
     Their twist is free: ends that hold it are of the reference engine alone.
     """

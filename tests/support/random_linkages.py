@@ -172,7 +172,7 @@ def moving(drawing: Drawing, speed: float, acceleration: float) -> RigidMotion:
         return row
 
     def fall(link: int, arm: complex, omega: np.ndarray) -> np.ndarray:
-        """What the velocity's square adds to the acceleration of a point."""
+        """Part of a point's acceleration that goes with the square of the velocity."""
         return -(omega[link] ** 2) * np.array([arm.real, arm.imag])
 
     def add(row: np.ndarray, velocity: object, rest: object) -> None:

@@ -29,9 +29,9 @@ from tests.support.random_mechanisms import log_uniform, random_crank_rocker
 Kind = Literal["slider-crank", "watt", "stephenson"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 TURN = np.radians(np.arange(0.0, 360.0, 10.0))
-# Of the angle at which the links of a dyad meet, or of that between a rod and its line's normal.
+# Least sine of the angle between a dyad's links, or between a rod and its line's normal.
 LEAST_SINE = 0.4
-# Of the shortest link's length, what links sag by under their weight, about.
+# Greatest sag of links under their weight, roughly, over the shortest link's length.
 MOST_SAG = 0.01
 DrawnSection = Callable[[np.random.Generator, Link], BeamSection]
 
@@ -67,7 +67,7 @@ class Chain:
 
 
 def strip(random: np.random.Generator, link: Link) -> BeamSection:
-    """Of a soft polymer to steel, a 120th to a 25th of its length thick, damped."""
+    """Section from soft polymer to steel, a 120th to a 25th of its length thick, damped."""
     material = Material(
         log_uniform(random, 3e9, 210e9), random.uniform(1200.0, 8000.0), random.uniform(0.2, 0.4)
     )

@@ -30,7 +30,7 @@ from flexmech.linkages import (
 from tests.support.random_mechanisms import log_uniform, random_crank_rocker
 
 TURN = np.radians(np.arange(0.0, 360.0, 15.0))
-# Of what a load or a spring bends the link that it acts on by: part of the link's length.
+# Bow of a link by the load or spring that acts on it, over the link's length.
 LEAST_BOW, MOST_BOW = 1e-5, 1e-3
 
 

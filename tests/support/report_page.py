@@ -1,4 +1,4 @@
-"""What a report holds: the traces of its plots and its readings, as numbers."""
+"""Contents of a report: the traces of its plots and its readings, as numbers."""
 
 from __future__ import annotations
 

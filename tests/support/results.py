@@ -83,7 +83,7 @@ def campbell() -> flexmech.CampbellDiagram:
 
 @functools.cache
 def stability() -> flexmech.StabilityMap:
-    """Of both engines about a band in which a vibration grows, and over the damping ratio."""
+    """Stability by both engines about a band of growth, and over the damping ratio."""
     against = ("damping-ratio", [0.001, 0.02])
     speeds = [86.0, 88.0, 90.0]
     return flexmech.stability(both(), speeds, prestress="axial", modes=2, against=against)

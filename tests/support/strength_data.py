@@ -32,5 +32,5 @@ def composite() -> Mechanism:
 
 
 def strength_dataset() -> xr.Dataset:
-    """Of the composite four-bar at 950 rpm."""
+    """Strength of the composite four-bar at 950 rpm."""
     return strength(composite(), 950.0, speed_unit="rpm").dataset

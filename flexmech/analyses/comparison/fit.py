@@ -219,7 +219,7 @@ def _nearest(
         if not fit.success:
             raise ComputationError(
                 f"the fit of {_names(parameters)} does not converge; fit fewer parameters, or give "
-                "a model nearer to what was measured"
+                "a model nearer to the measurement"
             )
         x = fit.x
     values = solved(x)

@@ -215,8 +215,8 @@ def _modes(
             nearest_modes = sorted(np.argsort(apart)[:_MODES_NAMED])
             far = ", ".join(f"from mode {n + 1} by {100 * apart[n]:.3g} %" for n in nearest_modes)
             raise InputError(
-                f"{record.source}: does not say of which modes its frequencies are, and not one "
-                f"mode alone is near them: they differ {far}; add a column 'mode' that numbers "
+                f"{record.source}: does not name the modes of its frequencies, and no single "
+                f"mode is near them: they differ {far}; add a column 'mode' that numbers "
                 "them from 1 (1 for fundamental frequencies)"
             )
         return np.full(len(angle), int(apart.argmin()) + 1)

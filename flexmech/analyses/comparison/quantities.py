@@ -181,7 +181,7 @@ def _likely(measured: MeasuredQuantity, known: dict[str, Gauge], record: Measure
         units = sorted({g.unit or "1" for g in known.values()})
         raise InputError(
             f"{record.source}: {measured.header or measured.name!r} is in {measured.unit or '1'}, "
-            f"and what is computed over time is in {' or '.join(units)}: "
+            f"and the computed quantities are in {' or '.join(units)}: "
             f"{', '.join(g.column for g in known.values())}; give a record of one of these"
         )
     words = measured.name.lower().split("_")
@@ -212,5 +212,5 @@ def _check(measured: MeasuredQuantity, gauge: Gauge, record: MeasuredRecord) -> 
     if not np.ptp(measured.values) > 0:
         raise InputError(
             f"{record.source}: {measured.header or measured.name!r} is the same at all samples; "
-            "give a record in which something moves"
+            "give a record of a motion"
         )

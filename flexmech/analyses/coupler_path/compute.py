@@ -419,8 +419,8 @@ def _of_rubber(links: Sequence[str]) -> str:
     """Warning on a path whose links are above their glass transition."""
     named = " and ".join(filter(None, [", ".join(links[:-1]), links[-1]]))
     return (
-        f"the resin of {named} is above its wet glass transition, or moister than the rule of that "
-        "transition holds for: its stiffness is not known. The path needs none: it is that of "
+        f"the resin of {named} is above its wet glass transition, or beyond the moisture for which "
+        "that rule holds: its stiffness is unknown. The path needs none: it is that of "
         "links that swell by the stated expansions, with fibres as at the reference temperature"
     )
 

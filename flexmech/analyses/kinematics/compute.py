@@ -239,8 +239,8 @@ def _on_turning(mechanism: Mechanism, request: KinematicsRequest) -> str:
         {"crank_speed": request.speed_of(mechanism), "speed_unit": request.shown_unit(mechanism)}
     )
     return (
-        f"the crank cannot turn fully{kind}, so that it cannot run at {speed}: the numbers are of "
-        "states in which it passes an angle at that speed; change the lengths, or let it swing"
+        f"the crank cannot turn fully{kind}, so that it cannot run at {speed}: the numbers hold "
+        "where it passes an angle at that speed; change the lengths, or let it swing"
     )
 
 

@@ -60,8 +60,8 @@ class KinematicsRequest(KinematicsOptions):
                 check_count(count, "lumped: each number of elements")
                 if count > _MOST_LUMPS:
                     raise InputError(
-                        f"lumped: {count} elements of a link are beyond {_MOST_LUMPS}; the "
-                        "distributed mass is what they tend to"
+                        f"lumped: {count} elements of a link are beyond {_MOST_LUMPS}; leave "
+                        "--lumped out for distributed mass, their limit"
                     )
             object.__setattr__(self, "lumped", counts)
         if self.motors is not None:

@@ -304,7 +304,7 @@ def _judged(said: str, gaps: xr.DataArray, errors: xr.DataArray, dataset: xr.Dat
 
 
 def _unexplained(estimated: xr.DataArray, dataset: xr.Dataset) -> str:
-    """What no error tells of engines that differ by more, and which one to trust if that is known.
+    """Say which errors the estimates leave out, and which engine to trust if that is known.
 
     Parameters
     ----------
@@ -317,13 +317,13 @@ def _unexplained(estimated: xr.DataArray, dataset: xr.Dataset) -> str:
         estimated["engine"].values[nonlinear],
         estimated["engine"].values[~nonlinear],
     )
-    left_out = f"what the linear equations of {linear[0]} leave out" if linear.size else ""
+    left_out = f"the nonlinear terms that {linear[0]} leaves out" if linear.size else ""
     if "mesh_error" not in dataset:
-        missing = ["the error by the mesh, which --check-mesh gives"]
+        missing = ["the mesh error (--check-mesh gives it)"]
         missing += [left_out] if simulated.size and linear.size else []
-        return f"; not among these {'are' if missing[1:] else 'is'} {', and '.join(missing)}"
+        return f"; these estimates do not cover {' and '.join(missing)}"
     if simulated.size and linear.size:
-        return f"; trust {simulated[0]}, since no error tells {left_out}"
+        return f"; trust {simulated[0]}: no estimate covers {left_out}"
     return f"; trust {estimated.idxmin('engine').item()}, whose errors are the smaller"
 
 

@@ -213,7 +213,7 @@ def path_aspect(data: xr.Dataset) -> Aspect:
         for number, point in enumerate(data["point"].values)
     )
     headings = ("point", *map(str, data["engine"].values), "at deg")
-    title = "greatest distance in mm from where the point is at that time on rigid links"
+    title = "greatest distance in mm from the point's place on rigid links"
     return Aspect(details=(Table(title, headings, (rows,)), _axes(data)))
 
 

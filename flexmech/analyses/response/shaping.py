@@ -61,8 +61,8 @@ def check_stops(engines: Sequence[Engine], request: ResponseRequest) -> None:
         raise InputError(FREE_SHAFT_GOES_ON)
     if not rests(request):
         raise InputError(
-            "a shaper is judged by what rings after the stop, and the run ends with the law; give "
-            'a dwell in [drive], as dwell = "0.1 s"'
+            "a shaper is judged by the vibration after the stop, and the run ends with the law; "
+            'give a dwell in [drive], as dwell = "0.1 s"'
         )
 
 

@@ -377,7 +377,7 @@ def _running_linkage(engine: Engine, request: RunningHammerRequest) -> _RunningL
         raise ComputationError(
             f"no record decays at crank speed {CRANK_SPEED}: a vibration of the running linkage "
             f"grows by {growth_rate:.3g} 1/s; give the links more damping, or take another speed "
-            "(flexmech stability tells which speeds do that)",
+            "(flexmech stability finds the speeds of growth)",
             crank_speed=request.crank_speed,
         )
     frequency = _frequencies(request, bandwidth, systems[0].system.period, growth_rate)

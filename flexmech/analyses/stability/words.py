@@ -19,7 +19,7 @@ from flexmech.analyses.details import (
     ranges_text,
     speed_name,
 )
-from flexmech.analyses.digits import Quantity, plain
+from flexmech.analyses.digits import Quantity, percent, plain
 from flexmech.analyses.stability.growth import (
     EDGES,
     NO,
@@ -148,10 +148,10 @@ def _about(data: xr.Dataset) -> Iterator[str]:
         speed = speed_name(data, data["crank_speed"][-1])
         far = f"is unknown to linear equations at {speed}"
         if math.isfinite(distance):
-            far = f"departs from it by {100 * distance:.2g} % of its peak deflection at {speed}"
+            far = f"departs from it by {percent(distance)} of its peak deflection at {speed}"
         yield (
             f"This is the stability of the quasi-static equilibrium; the periodic motion {far}: "
-            "check it by --prestress trajectory."
+            "check it with --prestress trajectory."
         )
     elif level != "trajectory":
         yield (
@@ -195,11 +195,9 @@ def _table(data: xr.Dataset) -> Table | None:
         groups += [tuple(_row(engine, band, unit) for band in shown)] if shown else []
     if not groups:
         return None
-    caption = "+-: greater error of the two edges by steps, moving modes and mesh"
+    caption = "+-: larger error of the two edges, by steps, moving modes and mesh"
     if data["band_lower_open"].any() or data["band_upper_open"].any():
-        caption += (
-            ", of the band's own edges alone; <, >: cut by the range, the band goes on beyond"
-        )
+        caption += "; <, >: edge of the computed range, beyond which the band goes on"
     if left_out:
         caption += f"; {left_out} that grow more slowly are left out here"
     return Table(
@@ -436,7 +434,7 @@ def _interrupted(data: xr.Dataset) -> list[str]:
         f"{data.sizes['crank_speed']} crank speeds by {name}"
         for name in _engines(data)
     ]
-    return [f"interrupted after {', '.join(done)}; what was done is kept"]
+    return [f"interrupted after {', '.join(done)}; finished speeds are kept"]
 
 
 def _gaps(data: xr.Dataset) -> Iterator[str]:

@@ -396,7 +396,7 @@ def _refuse_nothing(dataset: xr.Dataset) -> None:
         raise InputError(
             "crank_speed: nothing loads links or pins at this speed, so that no margin follows; "
             "give a crank speed, or write in the model file, under [operation], crank_speeds = "
-            '["300 rpm"]; what stands still needs gravity or a load'
+            '["300 rpm"]; a linkage at rest needs gravity or a load'
         )
 
 

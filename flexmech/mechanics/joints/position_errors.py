@@ -17,7 +17,7 @@ LESS_LOADED = "{less_loaded}"
 
 No crank speed is low enough for a linkage that its weight bends too far.
 """
-ACTS_AT_REST = "what acts at rest (gravity, loads, springs, heat or water)"
+ACTS_AT_REST = "the loads at rest (gravity, forces, springs, heat or water)"
 RUNNING = f"lower the crank speed or {ACTS_AT_REST}"
 AT_REST = f"lower {ACTS_AT_REST}"
 

@@ -49,8 +49,8 @@ def section_panel(result: SectionProfiles, results: Results) -> Panel:
         drawings=drawings,
         folded=tuple(property_table(result.dataset.sel(link=link)) for link in result.links),
         thinned=(
-            "sections: stresses of every layer are drawn; their tables are what flexmech section "
-            "writes to through_thickness.csv",
+            "sections: stresses of every layer are drawn; flexmech section writes their tables to "
+            "through_thickness.csv",
         ),
         state=state_of(result.dataset.attrs),
     )
