@@ -35,6 +35,9 @@ RAY: Look = {"color": "0.72", "lw": 0.6, "zorder": 1}
 CRITICAL: Look = {"color": "0.1", "lw": 1.8, "solid_capstyle": "round", "zorder": 4}
 # A speed without width, where a band has none.
 POINT: Look = {"color": "0.1", "marker": "o", "ms": 3.2, "ls": "", "zorder": 4}
+AMPLIFIED: Look = {"color": "0.1", "marker": "o", "ms": 4.5, "mfc": "white", "ls": "", "zorder": 5}
+# Less is no resonance that counts.
+LEAST_AMPLIFIED = 1.05
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.75", "hatch": "////", "lw": 0, "zorder": 0}
 OPERATING: Look = {"color": style.MID_GREY, "lw": 1.0, "ls": ":", "zorder": 2}
 OTHER_ENGINE: Look = {"color": "0.25", "lw": 0.7, "ls": (0.0, (4.0, 2.0)), "zorder": 3}
@@ -51,10 +54,11 @@ def plot_campbell(dataset: xr.Dataset) -> Picture:
 
     Filled is a branch from its lowest to its highest frequency over the crank angles; the line in
     it is the mean. Grey rays are the orders, multiples of the crank's turns per second; the dark
-    part of a ray is inside a band: these are critical speeds. Hatched are speeds without a
-    result. Bands and means of further engines are dashed lines. Dotted lines
-    are the operating speeds of the model file. Bands that no order reaches are named in the
-    heading, and are left out above the axis; where orders reach none, the lowest is drawn.
+    part of a ray is inside a band: these are critical speeds. A circle on it is where the running
+    linkage is amplified most, with its greatest deflection over that without vibration. Hatched are
+    speeds without a result. Bands and means of further engines are dashed lines. Dotted lines are
+    the operating speeds of the model file. Bands that no order reaches are named in the heading,
+    and are left out above the axis; where orders reach none, the lowest is drawn.
 
     Parameters
     ----------
@@ -71,7 +75,12 @@ def plot_campbell(dataset: xr.Dataset) -> Picture:
     top = ROOM * float(np.nanmax(dataset["highest_frequency"].sel(branch=shown).values))
     pane = Pane(
         "Natural frequency (Hz)",
-        (*_bands_of(dataset, shown), *_rays(dataset, top), *_critical(dataset)),
+        (
+            *_bands_of(dataset, shown),
+            *_rays(dataset, top),
+            *_critical(dataset),
+            *_amplified(dataset),
+        ),
         spans=(*_gaps(dataset), *_operating_speeds(dataset)),
         limits=(0.0, top),
         height=1.25 * BANDS_HEIGHT / PANE_HEIGHT,
@@ -199,6 +208,19 @@ def _critical(dataset: xr.Dataset) -> list[Curve]:
         )
         for _, ends, ray in critical_stretches(dataset)
     ]
+
+
+def _amplified(dataset: xr.Dataset) -> list[Curve]:
+    """Speeds at which the running linkage is amplified most in the ranges of the first engine."""
+    factor, points = from_si(1.0, reading.speed_unit(dataset)), dict[float, Curve]()
+    own = dataset.isel(critical=np.flatnonzero(dataset["critical_engine"] == dataset["engine"][0]))
+    columns = (own[f"critical_{name}"].values for name in ("resonance", "amplification", "order"))
+    for speed, amplified, order in zip(*columns, strict=True):
+        if np.isfinite(amplified) and amplified >= LEAST_AMPLIFIED:
+            x, y = np.array([factor * speed]), np.array([order * abs(speed) / (2 * np.pi)])
+            name = "deflection amplified, times"
+            points.setdefault(speed, Curve(x, y, AMPLIFIED, name, label=f"{amplified:.2f}"))
+    return list(points.values())
 
 
 def _operating_speeds(dataset: xr.Dataset) -> tuple[Span, ...]:

@@ -20,7 +20,7 @@ from matplotlib.colors import to_hex, to_rgb, to_rgba
 
 from flexmech.analyses import Result, Summary, Table
 from flexmech.arrays import FloatArray
-from flexmech.plots.picture import ZERO, Choice, Curve, Pane, Picture, Span
+from flexmech.plots.picture import ZERO, Choice, Curve, Pane, Picture, Span, beside
 from flexmech.plots.reading import speed_unit
 from flexmech.plots.style import Look
 from flexmech.report.results import Kind, Results
@@ -85,7 +85,7 @@ def plotted(name: str, picture: Picture, title: str = "") -> Plot:
         ``angle`` or ``speed``, a ``point`` at the crank angle, or ``none``; ``speedScale`` is in
         units of the axis in a rad/s.
     """
-    panes = [pane for pane in picture.panes if not pane.apart]
+    panes = [pane for pane in beside(picture).panes if not pane.apart]
     shown = replace(picture, panes=panes).in_units()
     alone = (LEAST_HEIGHT - FRAME_HEIGHT) / PANE_HEIGHT if len(panes) == 1 else 1.0
     labels = [

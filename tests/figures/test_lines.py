@@ -98,9 +98,9 @@ DRAWN: dict[Plot, list[Row]] = {
     plots.plot_forces: [
         Row(0, "Driving torque (N m)", lambda d: d["driving_torque"]),
         Row(0, "Driving torque (N m)", lambda d: d["rigid_driving_torque"]),
-        Row(2, "Force at A, magnitude (N)", size("joint_force", joint="A")),
-        Row(4, "Force at O4, magnitude (N)", size("joint_force", joint="O4")),
-        Row(4, "Force at O4, magnitude (N)", size("rigid_joint_force", joint="O4")),
+        Row(2, "Force at A (N)", size("joint_force", joint="A")),
+        Row(4, "Force at O4 (N)", size("joint_force", joint="O4")),
+        Row(4, "Force at O4 (N)", size("rigid_joint_force", joint="O4")),
     ],
     plots.plot_frame_motion: [
         Row(0, "Frame along x (mm)", lambda d: 1e3 * d["frame_displacement"].sel(component="x")),
@@ -206,7 +206,6 @@ DRAWN: dict[Plot, list[Row]] = {
     plots.plot_response: [
         Row(0, "Crank tip deflection (mm)", lambda d: 1e3 * d["deflection"].sel(link="crank")),
         Row(2, "Rocker middle deflection (mm)", lambda d: 1e3 * d["deflection"].sel(link="rocker")),
-        Row(3, "Coupler middle strain (µm/m)", lambda d: 1e6 * d["strain"].sel(link="coupler")),
     ],
     plots.plot_running_shaking_force: [
         Row(1, "Force along y (N)", lambda d: d["shaking_force"].sel(component="y")),
@@ -214,8 +213,8 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(2, "Moment about (0, 0) mm (N m)", lambda d: d["shaking_moment"]),
     ],
     plots.plot_search: [
-        Row(0, "mass (kg), min", lambda d: d["history"].sel(goal="mass")),
-        Row(1, "f1 (Hz), max", lambda d: d["history"].sel(goal="f1")),
+        Row(0, "mass (kg), min", lambda d: d["mass"]),
+        Row(3, "f1 (Hz), max", lambda d: d["f1"]),
     ],
     plots.plot_shaking_force: [
         Row(0, "Force (N)", lambda d: d["shaking_force"]),
