@@ -429,8 +429,7 @@ def plot_search(dataset: xr.Dataset) -> Picture:
     variables = variables_of(dataset)
     panes = [pane for name in variables for pane in search_panes(dataset, name)][:MOST_PANELS]
     title = f"Designs of the search: {dataset.sizes['trial']}"
-    layout = tiles(len(panes), min(len(panes), 3))
-    return Picture(panes, "", dataset, title, layout=layout)
+    return Picture(panes, "", dataset, title)
 
 
 def search_panes(dataset: xr.Dataset, variable: str) -> list[Pane]:

@@ -47,7 +47,7 @@ KINDS = {
 }
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
 NO_EQUILIBRIUM = "no equilibrium"
-UNSTABLE: Look = {"facecolor": "0.88", "edgecolor": "0.6", "hatch": ""}
+UNSTABLE: Look = {"facecolor": "0.88", "edgecolor": "0.6", "hatch": "...."}
 NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
 # Size of names of bands, in points: smaller than other words, as they stand upright side by
 # side.

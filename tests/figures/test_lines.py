@@ -246,10 +246,6 @@ DRAWN: dict[Plot, list[Row]] = {
             ),
         ),
     ],
-    plots.plot_speed_effect: [
-        Row(1, "Change of frequency (Hz)", lambda d: d["speed_effect"][:, 2, :, 1]),
-        Row(1, "Change of frequency (Hz)", lambda d: d["speed_effect"][:, 2, :, 1].sum("term")),
-    ],
     plots.plot_transmission_angle: [
         Row(0, "Transmission angle (deg)", lambda d: np.degrees(d["transmission_angle"])),
     ],
@@ -294,6 +290,15 @@ def test_lines_are_the_numbers_of_the_dataset(plot: Plot) -> None:
             assert found, f"{label}: not drawn"
             if abscissa is not None:
                 assert any(np.allclose(line[:, 0], abscissa, rtol=1e-9) for line in found), label
+
+
+def test_lines_of_the_speed_effect_have_no_corners_and_pass_through_what_is_computed() -> None:
+    effect = data_of(plots.plot_speed_effect)["speed_effect"][:, 2, :, 1]
+    drawn = [line.get_ydata() for line in panels(figure_of(plots.plot_speed_effect))[1].lines]
+    smooth = [line for line in drawn if len(line) > effect.sizes["crank_angle"]]
+    for row in (*effect.values, effect.sum("term").values):
+        found = [line for line in smooth if np.allclose(line[::4], row, atol=1e-12)]
+        assert any(np.ptp(line) == pytest.approx(np.ptp(row)) for line in found)
 
 
 def is_drawn(line: np.ndarray, row: np.ndarray, jumps: bool) -> bool:
