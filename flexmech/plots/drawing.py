@@ -274,7 +274,7 @@ def _label_ends(axes: Axes, pane: Pane) -> None:
         if not one.label or not np.isfinite(one.y[-1]) or (bottom > 0 and one.y[-1] <= 0):
             continue
         end = float(one.x[-1]), float(one.y[-1])
-        if one.x[-1] >= right:
+        if len(one.x) > 1 and one.x[-1] >= right:
             aside.append((float((axes.transData - axes.transAxes).transform(end)[1]), one))
             continue
         box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
