@@ -34,7 +34,7 @@ FIGURES: dict[Plot, tuple[Callable[[], object], int]] = {
     plots.plot_frequencies: (results.frequencies, 4),
     plots.plot_frequencies_over_speed: (results.frequencies, 4),
     plots.plot_frequency_bands: (results.uncertainty, 3),
-    plots.plot_frf: (results.hammer, 6),
+    plots.plot_frf: (results.hammer, 2),
     plots.plot_hammer: (results.hammer, 3),
     plots.plot_harmonic_frf: (results.running_hammer, 6),
     plots.plot_hygrothermal_effect: (results.frequencies_in_two_states, 3),

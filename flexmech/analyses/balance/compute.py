@@ -196,7 +196,7 @@ class Balance(Result):
         return {"balanced.toml": str(self.dataset.attrs["balanced_model"])}
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
-        """Draw shaking force, shaking moment and driving torque before and after.
+        """Draw the counterweights; shaking force, shaking moment and torque before and after.
 
         Parameters
         ----------
