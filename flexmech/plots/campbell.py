@@ -228,7 +228,7 @@ def _amplified(dataset: xr.Dataset, top: float) -> list[Curve]:
     labelled = _apart(ends, len("1.23"))
     name = "deflection amplified, times"
     return [
-        Curve(*np.array([[x], [y]]), AMPLIFIED, name, label=f"{size:.2f}" * (n in labelled))
+        Curve(np.array([x]), np.array([y]), AMPLIFIED, name, label=f"{size:.2f}" * (n in labelled))
         for n, (x, (y, size)) in enumerate(points)
     ]
 
