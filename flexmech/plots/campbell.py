@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.plots import reading, scales, style
 from flexmech.plots.drawing import figure
 from flexmech.plots.layout import grid
-from flexmech.plots.picture import Curve, Pane, Picture, Span
+from flexmech.plots.picture import HATCHES, Curve, Pane, Picture, Span
 from flexmech.plots.style import (
     AXES_HEIGHT,
     BESIDE_PANELS,
@@ -35,6 +36,9 @@ RAY: Look = {"color": "0.72", "lw": 0.6, "zorder": 1}
 CRITICAL: Look = {"color": "0.1", "lw": 1.8, "solid_capstyle": "round", "zorder": 4}
 # A speed without width, where a band has none.
 POINT: Look = {"color": "0.1", "marker": "o", "ms": 3.2, "ls": "", "zorder": 4}
+AMPLIFIED: Look = {"color": "0.1", "marker": "o", "ms": 4.5, "mfc": "white", "ls": "", "zorder": 5}
+# Less is no resonance that counts.
+LEAST_AMPLIFIED = 1.05
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.75", "hatch": "////", "lw": 0, "zorder": 0}
 OPERATING: Look = {"color": style.MID_GREY, "lw": 1.0, "ls": ":", "zorder": 2}
 OTHER_ENGINE: Look = {"color": "0.25", "lw": 0.7, "ls": (0.0, (4.0, 2.0)), "zorder": 3}
@@ -51,10 +55,11 @@ def plot_campbell(dataset: xr.Dataset) -> Picture:
 
     Filled is a branch from its lowest to its highest frequency over the crank angles; the line in
     it is the mean. Grey rays are the orders, multiples of the crank's turns per second; the dark
-    part of a ray is inside a band: these are critical speeds. Hatched are speeds without a
-    result. Bands and means of further engines are dashed lines. Dotted lines
-    are the operating speeds of the model file. Bands that no order reaches are named in the
-    heading, and are left out above the axis; where orders reach none, the lowest is drawn.
+    part of a ray is inside a band: these are critical speeds. A circle on it is where the running
+    linkage is amplified most, with its greatest deflection over that without vibration. Hatched are
+    speeds without a result. Bands and means of further engines are dashed lines. Dotted lines are
+    the operating speeds of the model file. Bands that no order reaches are named in the heading,
+    and are left out above the axis; where orders reach none, the lowest is drawn.
 
     Parameters
     ----------
@@ -71,7 +76,12 @@ def plot_campbell(dataset: xr.Dataset) -> Picture:
     top = ROOM * float(np.nanmax(dataset["highest_frequency"].sel(branch=shown).values))
     pane = Pane(
         "Natural frequency (Hz)",
-        (*_bands_of(dataset, shown), *_rays(dataset, top), *_critical(dataset)),
+        (
+            *_bands_of(dataset, shown),
+            *_rays(dataset, top),
+            *_critical(dataset),
+            *_amplified(dataset, top),
+        ),
         spans=(*_gaps(dataset), *_operating_speeds(dataset)),
         limits=(0.0, top),
         height=1.25 * BANDS_HEIGHT / PANE_HEIGHT,
@@ -141,7 +151,7 @@ def _bands_of(dataset: xr.Dataset, shown: list[int]) -> list[Curve]:
         line = series_line(branch, speed) | {"zorder": 3}
         curves.append(Curve(speed, mean[0, branch], line, name))
         edges = lowest[0, branch], highest[0, branch]
-        band = {"color": color} | BAND
+        band = {"color": color, "hatch": HATCHES[branch % len(HATCHES)]} | BAND
         bands.append(Curve(speed, edges[0], band, "lowest to highest", upto=edges[1]))
         # The filling of a band without width or of a single speed does not show.
         edge: Look = {"color": color, "lw": 0.5}
@@ -169,22 +179,24 @@ def _rays(dataset: xr.Dataset, top: float) -> list[Curve]:
         rays.append(Curve(x, y, RAY, "order of the crank"))
         if x[-1] > left:
             ends[order] = float(x[-1]) / (right - left), float(y[-1]) / top
-    labelled = _apart(ends, len(f"{max(orders, default=0)}{TIMES}"))
+    # The highest, the lowest, then upward.
+    wanted = sorted(ends, key=lambda one: (one != max(ends), one != min(ends), one))
+    labelled = _apart({n: ends[n] for n in wanted}, len(f"{max(orders, default=0)}{TIMES}"))
     return [
         replace(ray, label=f"{order}{TIMES}" if order in labelled else "")
         for order, ray in zip(orders, rays, strict=True)
     ]
 
 
-def _apart(ends: dict[int, tuple[float, float]], letters: int) -> list[int]:
-    """Orders whose rays end apart, at parts of the axes: the highest, the lowest, then upward."""
+def _apart(ends: Mapping[int, tuple[float, float]], letters: int) -> list[int]:
+    """Those whose labels, at parts of the axes, do not touch those of others before them."""
     high = NARROW_BANDS_HEIGHT if style.is_narrow() else BANDS_HEIGHT
     across = APART_LETTER * letters / (style.figure_width() - BESIDE_PANELS)
     kept = list[int]()
-    for order in sorted(ends, key=lambda one: (one != max(ends), one != min(ends), one)):
-        (x, y), others = ends[order], [ends[other] for other in kept]
+    for number, (x, y) in ends.items():
+        others = [ends[other] for other in kept]
         if all(abs(x - u) >= across or abs(y - v) >= APART_UP / high for u, v in others):
-            kept.append(order)
+            kept.append(number)
     return kept
 
 
@@ -198,6 +210,26 @@ def _critical(dataset: xr.Dataset) -> list[Curve]:
             "critical speed",
         )
         for _, ends, ray in critical_stretches(dataset)
+    ]
+
+
+def _amplified(dataset: xr.Dataset, top: float) -> list[Curve]:
+    """Where the running linkage is amplified most in the ranges of the first engine."""
+    left, right = scales.speed_limits(dataset)
+    factor, found = from_si(1.0, reading.speed_unit(dataset)), dict[float, tuple[float, float]]()
+    own = dataset.isel(critical=np.flatnonzero(dataset["critical_engine"] == dataset["engine"][0]))
+    columns = (own[f"critical_{name}"].values for name in ("resonance", "order", "amplification"))
+    for speed, order, amplified in zip(*columns, strict=True):
+        if np.isfinite(amplified) and amplified >= LEAST_AMPLIFIED:
+            found.setdefault(factor * speed, (order * abs(speed) / (2 * np.pi), amplified))
+    # The greatest are labelled first.
+    points = sorted(found.items(), key=lambda point: -point[1][1])
+    ends = {n: ((x - left) / (right - left), y / top) for n, (x, (y, _)) in enumerate(points)}
+    labelled = _apart(ends, len("1.23"))
+    name = "deflection amplified, times"
+    return [
+        Curve(np.array([x]), np.array([y]), AMPLIFIED, name, label=f"{size:.2f}" * (n in labelled))
+        for n, (x, (y, size)) in enumerate(points)
     ]
 
 

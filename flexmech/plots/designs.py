@@ -408,28 +408,65 @@ def _draw_linkages(axes: Axes, best: xr.Dataset, x: FloatArray, y: FloatArray) -
         )
 
 
+BEST: Look = {"ls": "", "marker": "*", "ms": 9.0, "color": "black", "zorder": 4}
+
+
 @figure
 def plot_search(dataset: xr.Dataset) -> Picture:
-    """Draw the best goal so far over the number of designs that were computed.
+    """Draw the goals of all designs of the search over what varies, and the best designs.
 
     Parameters
     ----------
     dataset : Dataset
         Dataset of an ``Optimum``.
     ax : Axes or sequence of Axes, optional
-        The user's, one for each goal. Left out: a new figure is made.
+        The user's, one for each goal over each variable. Left out: a new figure is made.
 
     Returns
     -------
     Figure
     """
-    at, panes = dataset["evaluations"].values.astype(float), []
-    look = series_line(0) | {"drawstyle": "steps-post"}
+    variables = variables_of(dataset)
+    panes = [pane for name in variables for pane in search_panes(dataset, name)][:MOST_PANELS]
+    title = f"Designs of the search: {dataset.sizes['trial']}"
+    return Picture(panes, "", dataset, title)
+
+
+def search_panes(dataset: xr.Dataset, variable: str) -> list[Pane]:
+    """Goals of all designs of a search over one variable, with the best designs as stars.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Dataset of an ``Optimum``.
+    variable : str
+        Texts stand along x by their numbers.
+
+    Returns
+    -------
+    list of Pane
+        One for each goal.
+    """
+    best, panes = dataset[variable], list[Pane]()
+    within, x = dataset["trial_within"].values, dataset["trial_value"].sel(variable=variable)
+    along, is_text = label(best), best.dtype.kind == "U"
+    across = x.values if is_text else shown(x.assign_attrs(best.attrs))
     for sense, output in goals_of(dataset):
-        own = dataset["history"].sel(goal=output).assign_attrs(dataset[output].attrs)
-        curve = Curve(at, shown(own), look, "best so far that keeps every limit")
-        panes.append(Pane(f"{label(dataset[output])}, {sense}", (curve,)))
-    return Picture(panes, "Designs computed", dataset, "Search for the best design")
+        goal = shown(dataset[output])
+        y = shown(dataset["trial_goal"].sel(goal=output).assign_attrs(dataset[output].attrs))
+        curves = [
+            Curve(across[which], y[which], look, word)
+            for which, look, word in (
+                (~within, BEYOND, "beyond a limit"),
+                (within, WITHIN, "keeps every limit"),
+            )
+            if which.any()
+        ]
+        # A text stands where a design as good was tried.
+        tried = across[[int(np.nanargmin(np.abs(y - one))) for one in goal]]
+        curves.append(Curve(tried if is_text else shown(best), goal, BEST, "best design"))
+        panes.append(Pane(f"{label(dataset[output])}, {sense}", curves, along=along))
+    return panes
 
 
 # Percentiles of frequencies: of the interval of 95 % its lower end, the median, its upper end.

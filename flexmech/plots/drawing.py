@@ -190,7 +190,15 @@ def _entry(same: Sequence[Curve | Span]) -> Artist:
         return line_handle(one.name, **look)
     if any(other.look.get("color") != look.get("color") for other in same):
         look["color"] = MID_GREY
-    return Patch(label=one.name, **look)
+    return Patch(label=one.name, **_hatched(look))
+
+
+def _hatched(look: Look) -> Look:
+    """Look of a filling, whose hatch is white on its colour."""
+    if not look.get("hatch") or "color" not in look:
+        return look
+    rest = {key: value for key, value in look.items() if key != "color"}
+    return rest | {"facecolor": look["color"], "edgecolor": "white"}
 
 
 def draw_pane(axes: Axes, pane: Pane) -> None:
@@ -211,7 +219,7 @@ def draw_pane(axes: Axes, pane: Pane) -> None:
             line(span.low, **span.look)
     for number, curve in enumerate(pane.curves):
         if curve.upto is not None:
-            axes.fill_between(curve.x, curve.y, curve.upto, **curve.look)
+            axes.fill_between(curve.x, curve.y, curve.upto, **_hatched(curve.look))
         elif curve.wave:
             _draw_wave(axes, curve, filled=number == 0)
         else:
@@ -266,7 +274,7 @@ def _label_ends(axes: Axes, pane: Pane) -> None:
         if not one.label or not np.isfinite(one.y[-1]) or (bottom > 0 and one.y[-1] <= 0):
             continue
         end = float(one.x[-1]), float(one.y[-1])
-        if one.x[-1] >= right:
+        if len(one.x) > 1 and one.x[-1] >= right:
             aside.append((float((axes.transData - axes.transAxes).transform(end)[1]), one))
             continue
         box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}

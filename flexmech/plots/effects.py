@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from scipy.interpolate import PchipInterpolator
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
@@ -35,6 +36,8 @@ LEAST_BAND = 2e-4
 # line would lie on that of zero.
 SMALL_PART = 0.01
 SMALL: Look = {"color": MID_GREY, "linewidth": 0.8, "linestyle": (0.0, (1.0, 1.0)), "zorder": 1.8}
+# Steps of a line between two computed crank angles.
+STEPS = 4
 NOTHING = Span(0.0, 0.0, {"color": MID_GREY, "lw": 0.6, "zorder": 1})
 """Where nothing changes."""
 
@@ -96,6 +99,10 @@ def plot_speed_effect(dataset: xr.Dataset) -> Picture:
     effect = values_of(fastest["speed_effect"], "mode", "term", "crank_angle")
     angles, small = degrees(fastest["crank_angle"]), _small(effect)
     mark = "*" if few_points(angles) else ""
+    if not few_points(angles):
+        # Without corners, and nowhere beyond what is computed.
+        computed, angles = angles, np.linspace(angles[0], angles[-1], STEPS * (angles.size - 1) + 1)
+        effect = PchipInterpolator(computed, effect, axis=-1)(angles)
     total: Look = {"color": "black", "linewidth": 1.8, "marker": mark, "markersize": 5}
     # Coriolis is a name; the others are plain words.
     terms = [name.replace("coriolis", "Coriolis") for name in names_of(dataset, "term")]

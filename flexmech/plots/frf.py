@@ -24,16 +24,8 @@ from flexmech.plots.style import (
     series_style,
 )
 
-# What a row of panels and what the axes take, in inches; of a row and its axes where six panels
-# stand under each other, so that a page holds them.
-ROW_HEIGHT, AXES_HEIGHT, NARROW_HEIGHT = 1.7, 0.5, 1.3
-BOTH = "give six Axes"
-# Name of each response, its unit, and the power of the angular frequency that multiplies it.
-RESPONSES = (
-    ("Receptance", "m/N", 0),
-    ("Mobility", "m/(N s)", 1),
-    ("Accelerance", "m/(N s²)", 2),
-)
+# What a row of panels and what the axes take, in inches.
+ROW_HEIGHT, AXES_HEIGHT = 1.7, 0.5
 # Colours that both figures share.
 BLUE, ORANGE, GREEN = (series_style(number).color for number in range(3))
 CURVES: dict[str, tuple[str, Look]] = {
@@ -88,37 +80,32 @@ COMPARED_DECADES = 4.0
 
 @figure
 def plot_frf(dataset: xr.Dataset) -> Picture:
-    """Draw amplitude and phase of receptance, mobility and accelerance.
+    """Draw amplitude and phase of the receptance.
 
     Parameters
     ----------
     dataset : Dataset
         Dataset of a ``HammerTest`` result; its first crank angle is drawn.
-    ax : Axes or sequence of Axes, optional
-        The user's, six: the amplitudes, then the phases. Left out: a new figure is made.
+    ax : sequence of Axes, optional
+        Two of the user's. Left out: a new figure is made.
 
     Returns
     -------
     Figure
     """
-    data, sizes, phases = first_angle(dataset), list[Pane](), list[Pane]()
+    data = first_angle(dataset)
     frequency = data["frequency"].values
-    for response, unit, power in RESPONSES:
-        turned = (2j * np.pi * frequency) ** power
-        values = {curve: complex_values(data, curve) * turned for curve in CURVES}
-        low, high = scales.log_limits(np.abs(values["exact_receptance"]), DECADES)
-        size, phase = (
-            [Curve(frequency, part(values[n]), look, words) for n, (words, look) in CURVES.items()]
-            for part in (np.abs, scales.phase_of)
-        )
-        label, limits = f"{response}\namplitude ({unit})", (low / 2, high)
-        sizes.append(Pane(label, size, limits=limits, scale="log"))
-        phases.append(phase_pane(f"{response}\nphase (deg)", phase))
-    height = 2 * NARROW_HEIGHT if is_narrow() else 2 * ROW_HEIGHT + AXES_HEIGHT
-    layout, ends = grid(2, 3, height, sharex=True), np.array([0.0, frequency[-1]])
+    values = {curve: complex_values(data, curve) for curve in CURVES}
+    low, high = scales.log_limits(np.abs(values["exact_receptance"]), DECADES)
+    size, phase = (
+        [Curve(frequency, part(values[n]), look, words) for n, (words, look) in CURVES.items()]
+        for part in (np.abs, scales.phase_of)
+    )
+    limits, layout = (low / 2, high), grid(2, 1, 2 * ROW_HEIGHT + AXES_HEIGHT, sharex=True)
+    amplitude = Pane("Receptance\namplitude (m/N)", size, limits=limits, scale="log")
+    panes, ends = [amplitude, phase_pane("Phase (deg)", phase)], np.array([0.0, frequency[-1]])
     title, along = hammer_title(dataset), "Frequency (Hz)"
-    panes = [*sizes, *phases]
-    return Picture(panes, along, dataset, title, places=ends, layout=layout, fewer=BOTH)
+    return Picture(panes, along, dataset, title, places=ends, layout=layout)
 
 
 def curve_handles(**measured: Any) -> list[Artist]:

@@ -19,6 +19,8 @@ from flexmech.plots.layout import Layout
 from flexmech.plots.reading import Units, engine_label, fitting_unit, values_of
 from flexmech.plots.style import LIGHT_GREY, Look, series_line
 
+# Of bars of several series, whose colours are alike in grey.
+HATCHES = ("", "////", "....", "xx", "--")
 BARS = 0.8
 """Bars of the distance of two places, that all bars at a place take together."""
 Choice = Mapping[str, str]
@@ -124,21 +126,26 @@ ZERO = Span(0.0, 0.0, {"color": LIGHT_GREY, "lw": 0.6, "zorder": 0})
 
 @dataclass(frozen=True)
 class SecondAxis:
-    """A quantity proportional to that of a pane, on an axis at its right edge.
+    """A further quantity of a pane, on an axis at its right edge.
 
     Parameters
     ----------
     label : str
         Without the unit.
     factor : float
-        From the pane's quantity in its SI unit to this one in its own.
+        From the pane's quantity in its SI unit to this one in its own, where they are
+        proportional.
     units : tuple of (float, str)
         To choose from.
+    curves : sequence of Curve
+        Of the further quantity where they are not: both zeros are at one height, and the greatest
+        values as far from it.
     """
 
     label: str
     factor: float
     units: Units
+    curves: Sequence[Curve] = ()
 
 
 @dataclass(frozen=True)
@@ -180,7 +187,7 @@ class Pane:
         What runs along x of a pane beside those of the picture, which a page leaves out: another
         number, a place in the plane, at one scale, or nothing.
     right : SecondAxis, optional
-        A page leaves it out.
+        A page has a pane for its curves.
     """
 
     label: str
@@ -219,10 +226,16 @@ class Pane:
         ]
         right = self.right
         if right is not None:
-            values = np.concatenate([one.y for one in self.curves])
-            size, name = fitting_unit(right.factor * values, right.units)
+            values, ratio = np.concatenate([one.y for one in self.curves]), right.factor
+            if right.curves:
+                greatest = float(np.abs(values).max()) or 1.0
+                values = np.concatenate([one.y for one in right.curves])
+                ratio = (float(np.abs(values).max()) or 1.0) / greatest
+                curves += [replace(one, y=factor / ratio * one.y) for one in right.curves]
+                values = values / ratio
+            size, name = fitting_unit(ratio * values, right.units)
             label_right = f"{right.label} ({name})"
-            right = replace(right, label=label_right, factor=size * right.factor / factor, units=())
+            right = replace(right, label=label_right, factor=size * ratio / factor, units=())
         made: Look = {"label": label, "curves": curves, "spans": spans, "limits": limits}
         return replace(self, **made, units=(), right=right)
 
@@ -372,7 +385,8 @@ def bars(
         left = places - BARS / 2 + number * width
         x = np.stack([left, left + width, left + width], axis=-1).ravel()
         height = np.stack([row, row, np.full(len(row), np.nan)], axis=-1).ravel()
-        curves.append(Curve(x, 0.0 * height, look | {"lw": 0}, name, upto=height))
+        hatched = look | {"lw": 0, "hatch": HATCHES[number % len(HATCHES)]}
+        curves.append(Curve(x, 0.0 * height, hatched, name, upto=height))
     return curves
 
 
@@ -401,6 +415,21 @@ def by_engine(values: xr.DataArray, dataset: xr.Dataset) -> list[Curve]:
     ]
 
 
+def beside(picture: Picture) -> Picture:
+    """The picture with a pane of its own for curves on a second axis, behind all others."""
+    rest = [pane if pane.right is None else replace(pane, right=None) for pane in picture.panes]
+    further = [
+        Pane(axis.label, list(map(_alone, axis.curves)), axis.units, spans=pane.spans)
+        for pane in picture.panes
+        if (axis := pane.right) and axis.curves
+    ]
+    return replace(picture, panes=[*rest, *further])
+
+
+def _alone(curve: Curve) -> Curve:
+    return replace(curve, name="", look=series_line(0))
+
+
 def joined(pictures: Sequence[tuple[Choice, Picture]]) -> Picture:
     """Pictures of one kind as one, whose reader chooses among them.
 
@@ -417,7 +446,7 @@ def joined(pictures: Sequence[tuple[Choice, Picture]]) -> Picture:
     """
     panes: dict[tuple[str, str], Pane] = {}
     for when, picture in pictures:
-        for pane in picture.panes:
+        for pane in beside(picture).panes:
             curves = [replace(one, when={**one.when, **when}) for one in pane.curves]
             spans = [replace(one, when={**one.when, **when}) for one in pane.spans]
             key = pane.label, pane.title

@@ -10,13 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from flexmech.plots import reading, scales
-from flexmech.plots.drawing import draw, figure
-from flexmech.plots.layout import AxesLike
-from flexmech.plots.picture import ZERO, Curve, Pane, Picture, Span, by_engine
-from flexmech.plots.style import MID_GREY, Look, series_style
+from flexmech.plots.drawing import figure
+from flexmech.plots.picture import ZERO, Curve, Pane, Picture, SecondAxis, Span, by_engine
+from flexmech.plots.style import MID_GREY, Look, series_line, series_style
 
 ROTATION_UNITS: reading.Units = ((np.degrees(1.0), "deg"),)
 SPEED_UNITS: reading.Units = ((1.0, "rad/s"), (1e3, "mrad/s"), (1e6, "µrad/s"))
@@ -24,8 +22,8 @@ SPEED_UNITS: reading.Units = ((1.0, "rad/s"), (1e3, "mrad/s"), (1e6, "µrad/s"))
 # Thinner than the engines' lines, which it covers where the links are as good as rigid.
 RIGID: Look = {"color": "0.25", "lw": 0.6, "zorder": 3}
 
-# Panels of forces that fit a page: with more of them magnitudes stand alone, without components.
-MOST_FORCE_PANELS = 7
+# Strain behind the deflection, which it follows closely, and its width over that of a line.
+STRAIN, WIDE = Look(color="0.75", zorder=1.5, solid_capstyle="butt"), 3.5
 
 
 @figure
@@ -33,8 +31,8 @@ def plot_response(dataset: xr.Dataset) -> Picture:
     """Draw the deflection of each link, and bending strains in the middle, against time.
 
     One panel for the deflection of each link that is not rigid: of its middle from the line
-    between its pins, or of a clamped link's tip. Under them the bending strain of those links
-    whose middle is watched, and the rotation and speed of a shaft that is free, against what is
+    between its pins, with the bending strain there by the first engine on a second axis, or of a
+    clamped link's tip. Under them the rotation and speed of a shaft that is free, against what is
     prescribed. The axis on top gives the crank angle. A periodic motion is drawn over one turn.
 
     Parameters
@@ -50,16 +48,31 @@ def plot_response(dataset: xr.Dataset) -> Picture:
     """
     dataset = reading.a_turn(dataset)
     links = reading.bending_links(dataset)
-    strained = [name for name in links if dataset["probe"].sel(link=name) == "middle"]
-    watched = [("deflection", name, reading.LENGTH_UNITS) for name in links]
-    watched += [("strain", name, reading.STRAIN_UNITS) for name in strained]
     shown = [
-        (f"{reading.link_label(dataset, name)}\n{of}", dataset[of].sel(link=name), units)
-        for of, name, units in watched
+        (f"{reading.link_label(dataset, name)}\ndeflection", dataset["deflection"].sel(link=name))
+        for name in links
     ]
-    panes = [*engine_panes(dataset, shown), *shaft_panes(dataset)]
-    fewer = "choose one link that is watched at its tip (links=...)"
+    panes = [
+        replace(pane, right=_strain(dataset.sel(link=name)))
+        for name, pane in zip(
+            links,
+            engine_panes(dataset, [(*one, reading.LENGTH_UNITS) for one in shown]),
+            strict=True,
+        )
+    ]
+    panes += shaft_panes(dataset)
+    fewer = "choose one link (links=...)"
     return over_time(dataset, panes, reading.run_title(dataset), fewer=fewer)
+
+
+def _strain(own: xr.Dataset) -> SecondAxis | None:
+    """Strain in the middle of a link by the first engine; none of a link watched at its tip."""
+    if own["probe"] != "middle":
+        return None
+    time, values = own["time"].values, own["strain"].isel(engine=0).values
+    curve = Curve(time, values, STRAIN, "strain (right axis)", wave=WIDE)
+    label = f"{str(own['link'].item()).capitalize()}\nstrain"
+    return SecondAxis(label, 1.0, reading.STRAIN_UNITS, [curve])
 
 
 def shaft_panes(dataset: xr.Dataset) -> list[Pane]:
@@ -113,16 +126,15 @@ def engine_panes(
     ]
 
 
-def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw the driving torque and the joint forces against time, with those of rigid links.
+@figure
+def plot_forces(dataset: xr.Dataset) -> Picture:
+    """Draw driving torque and magnitudes of joint forces against time, and where engines differ.
 
-    Under a law of motion the driving power stands below the torque.
-
+    Power stands on a second axis of the torque at constant speed, below it under a law of motion.
     Forces are those of all joints, bearings included, as far as the run's band lets them through:
-    vibrations of the links along their length are too fast to be distinguished. At one or two
-    joints the magnitude and both components are drawn, at more the magnitudes alone, so that a page
-    holds them. Beside them stand the forces of rigid links (dark grey). A periodic motion is drawn
-    over one turn.
+    vibrations of the links along their length are too fast to be distinguished. Beside them stand
+    the forces of rigid links (dark grey). Below is the difference of the second engine's magnitudes
+    from the first's. A periodic motion is drawn over one turn.
 
     Parameters
     ----------
@@ -135,45 +147,32 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    components = reading.names_of(dataset, "component")
-    of_shaft = 1 + ("driving_power" in dataset)
-    if of_shaft + dataset.sizes["joint"] * (1 + len(components)) > MOST_FORCE_PANELS:
-        components = []
-    return draw(forces_picture(dataset, components), ax=ax)
-
-
-def forces_picture(dataset: xr.Dataset, components: Sequence[str] = ()) -> Picture:
-    """Driving torque, power under a law, and the size of each joint's force.
-
-    Torque and forces stand beside those of rigid links.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Dataset of a ``Response`` result.
-    components : sequence of str
-        Those shown besides the size.
-
-    Returns
-    -------
-    Picture
-    """
     dataset = reading.a_turn(dataset)
     torque = dataset["driving_torque"], dataset["rigid_driving_torque"]
+    varies = "drive" in dataset.attrs or "crank_speed_fluctuation" in dataset
+    varies = varies or bool(dataset.attrs.get("run_up_time"))
+    speed = 0.0 if varies else float(dataset.attrs["crank_speed"])
+    right = SecondAxis("Driving\npower", speed, reading.POWER_UNITS) if speed else None
     curves = elastic_and_rigid(dataset, *torque)
-    panes = [Pane("Driving\ntorque", curves, reading.TORQUE_UNITS, spans=(ZERO,))]
+    panes = [Pane("Driving\ntorque", curves, reading.TORQUE_UNITS, spans=(ZERO,), right=right)]
     if "driving_power" in dataset:
         power = "Driving\npower", dataset["driving_power"], reading.POWER_UNITS
         panes += engine_panes(dataset, [power])
-    for joint in reading.names_of(dataset, "joint"):
-        forces = [dataset[name].sel(joint=joint) for name in ("joint_force", "rigid_joint_force")]
-        parts = {"magnitude": [_magnitude(force) for force in forces]}
-        parts |= {one: [force.sel(component=one) for force in forces] for one in components}
-        for part, (elastic, rigid) in parts.items():
-            curves = elastic_and_rigid(dataset, elastic, rigid)
-            title = reading.joint_title(dataset, joint) if part == "magnitude" else ""
-            what = f"Force at {joint},\n{part}"
-            panes.append(Pane(what, curves, reading.FORCE_UNITS, title, (ZERO,)))
+    forces, rigid = (_magnitude(dataset[f"{of}joint_force"]) for of in ("", "rigid_"))
+    joints = reading.names_of(dataset, "joint")
+    for joint in joints:
+        title = reading.joint_title(dataset, joint)
+        curves = elastic_and_rigid(dataset, forces.sel(joint=joint), rigid.sel(joint=joint))
+        panes.append(Pane(f"Force\nat {joint}", curves, reading.FORCE_UNITS, title, (ZERO,)))
+    if dataset.sizes["engine"] > 1:
+        apart = reading.values_of(forces[1] - forces[0], "joint", "time")
+        # In other colours than the engines have.
+        differing = [
+            Curve(forces["time"].values, line, series_line(number), wave=1.0, label=joint)
+            for number, (line, joint) in enumerate(zip(apart, joints, strict=True), 2)
+        ]
+        title = f"Force by {' less force by '.join(reading.names_of(dataset, 'engine')[1::-1])}"
+        panes.append(Pane("Difference", differing, reading.FORCE_UNITS, title, (ZERO,)))
     band = dataset.attrs.get("force_band")
     up_to = "" if band is None else f", forces up to {band:.4g} Hz"
     return over_time(dataset, panes, reading.run_title(dataset) + up_to)
@@ -208,14 +207,16 @@ def _magnitude(force: xr.DataArray) -> xr.DataArray:
 
 @figure
 def plot_frame_motion(dataset: xr.Dataset) -> Picture:
-    """Draw displacement and rotation of a frame on springs, and force on the floor, against time.
+    """Draw the motion of a frame on springs, and the shaking force that reaches the floor.
+
+    Beside the force on the floor stands what the mechanism puts on the frame (dark grey).
 
     Parameters
     ----------
     dataset : Dataset
         Dataset of a ``Response`` result of a mechanism with a frame on springs:
         ``frame_displacement`` (engine, time, component) in m, ``frame_rotation`` in rad and
-        ``floor_force`` in N.
+        ``floor_force`` and ``shaking_force`` in N.
     ax : Axes or sequence of Axes, optional
         The user's, five of them. Left out: a new figure is made.
 
@@ -230,12 +231,15 @@ def plot_frame_motion(dataset: xr.Dataset) -> Picture:
         for one, own in along
     ]
     shown.append(("Frame\nrotation", dataset["frame_rotation"], ROTATION_UNITS))
-    shown += [
-        (f"Force on the\nfloor along {one}", own["floor_force"], reading.FORCE_UNITS)
-        for one, own in along
-    ]
+    panes = engine_panes(dataset, shown)
+    for one, own in along:
+        curves = by_engine(own["floor_force"], dataset)
+        shaking = own["shaking_force"][0].values
+        curves.append(Curve(own["time"].values, shaking, RIGID, "shaking force on the frame"))
+        what = f"Force on the\nfloor along {one}"
+        panes.append(Pane(what, curves, reading.FORCE_UNITS, spans=(ZERO,)))
     title = f"Frame on springs\n{reading.run_title(dataset)}"
-    return over_time(dataset, engine_panes(dataset, shown), title)
+    return over_time(dataset, panes, title)
 
 
 PLAIN: Look = {"color": MID_GREY, "lw": 1.1}

@@ -6,12 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from flexmech.arrays import SAME_PLACE
 from flexmech.plots import kinematics, reading, style
-from flexmech.plots.drawing import figure
+from flexmech.plots.drawing import drawing, figure
+from flexmech.plots.drawn_linkage.sketch import LARGEST_MARK, SMALL, LinkageSketch
+from flexmech.plots.drawn_linkage.symbols import drawn_posture
 from flexmech.plots.kinematics import MAGNITUDE
-from flexmech.plots.layout import grid
+from flexmech.plots.layout import AxesLike, grid
 from flexmech.plots.picture import ZERO, Curve, Pane, Picture, bars, over_angles, series
 from flexmech.plots.response import elastic_and_rigid, over_time
 
@@ -23,6 +26,8 @@ _STACKED, _BESIDE = 3.9, 2.3
 _HEIGHT = 4.0
 _ELASTIC: style.Look = {"alpha": 0.45, "lw": 0.9, "zorder": 1.5}
 _MM = 1e3
+# Room around the linkage for counterweights and their masses, over its extent.
+_MARGIN = 0.15
 
 
 @figure
@@ -140,19 +145,20 @@ def moment_point(dataset: xr.Dataset) -> str:
     return f"({x}, {y}) mm"
 
 
-@figure
-def plot_balance(dataset: xr.Dataset) -> Picture:
-    """Draw the shaking force's end point, its size, the shaking moment and the driving torque.
+def plot_balance(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the counterweights on the linkage; shaking force, shaking moment and driving torque.
 
-    Paler lines are the size with elastic links.
+    Paler lines are the force with elastic links. A counterweight's area is as its mass.
 
     Parameters
     ----------
     dataset : Dataset
         With ``shaking_force`` (state, crank_angle, component) in N, ``shaking_moment`` and
-        ``driving_torque`` (state, crank_angle) in N m, ``moment_point`` (component) in m; where
-        there are elastic links ``elastic_shaking_force`` (state, elastic_angle, component). The
-        attributes ``crank_speed`` and ``mechanism``.
+        ``driving_torque`` (state, crank_angle) in N m, ``moment_point`` (component) in m; of
+        counterweights ``counterweight_mass`` in kg, ``counterweight_place`` in m and
+        ``counterweight_about``; where there are elastic links ``elastic_shaking_force``
+        (state, elastic_angle, component). The attributes ``crank_speed``, ``mechanism`` and
+        ``drawing``, which is of the linkage as given.
     ax : sequence of Axes, optional
         Four of the user's. Left out: a new figure is made.
 
@@ -160,28 +166,58 @@ def plot_balance(dataset: xr.Dataset) -> Picture:
     -------
     Figure
     """
-    panes = _path_of_force(dataset), *_balanced(dataset)
+    with drawing(balance_picture(dataset), ax=ax) as drawn:
+        _draw_counterweights(drawn.panels[0], dataset)
+    return drawn.figure
+
+
+def balance_picture(dataset: xr.Dataset) -> Picture:
+    """Room for the linkage, and shaking force, shaking moment and driving torque.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        As of :func:`plot_balance`.
+
+    Returns
+    -------
+    Picture
+    """
+    panes = Pane("", [], title="Counterweights", apart="none"), *_balanced(dataset)
     title, layout = f"Balance at {reading.drive_text(dataset)}", grid(2, 2, _HEIGHT)
     angles = reading.degrees(dataset["crank_angle"])
     return over_angles(angles, panes, dataset, title, layout=layout)
 
 
-def _path_of_force(dataset: xr.Dataset) -> Pane:
-    """The path of the force's end point, which is not over the crank angle."""
-    force = reading.values_of(dataset["shaking_force"], "state", "crank_angle", "component")
-    factor, unit = reading.fitting_unit(force, reading.FORCE_UNITS)
-    curves = [
-        Curve(path[:, 0], path[:, 1], style.series_line(number))
-        for number, path in enumerate(factor * force)
-    ]
-    if np.abs(force[-1]).max() < SAME_PLACE * np.abs(force).max():
-        # A balanced force is a point.
-        dot: style.Look = {"ls": "", "marker": "o", "ms": 3.0}
-        dot["color"] = style.series_style(len(force) - 1).color
-        curves.append(Curve(np.zeros(1), np.zeros(1), dot))
-    spans = ZERO, replace(ZERO, upright=True)
-    along = f"Shaking force along x ({unit})"
-    return Pane(f"Along y ({unit})", curves, spans=spans, along=along, apart="plane")
+def _draw_counterweights(axes: Axes, dataset: xr.Dataset) -> None:
+    """The linkage as given, and the counterweights of the balanced state with their masses."""
+    found = drawn_posture(dataset)
+    if found is None:
+        return
+    sketch = LinkageSketch(*found[:2], mark_size=SMALL)
+    at = {joint["name"]: joint["at"] for joint in sketch.parts.joints}
+    weights = dataset.isel(counterweight=np.flatnonzero(dataset["counterweight_mass"].values))
+    arms = []
+    for about, place in zip(
+        weights["counterweight_about"].values.tolist(),
+        reading.values_of(weights["counterweight_place"], "counterweight", "component"),
+        strict=True,
+    ):
+        link = int(at[about][0])
+        centre = sketch.links[link, 0] + sketch.turned(link) @ place
+        arms.append(np.array([sketch.place(at[about]), centre]))
+    axes.set_axis_off()
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(_MARGIN)
+    sketch.draw(axes, color=style.MID_GREY, lw=1.4)
+    color, masses = style.series_style(1).color, weights["counterweight_mass"].values
+    for arm, mass in zip(arms, masses.tolist(), strict=True):
+        size = float(np.sqrt(LARGEST_MARK * mass / masses.max()))
+        axes.plot(*arm.T, color=color, lw=1.4, zorder=3)
+        axes.plot(*arm[1], "o", color=color, ms=size, zorder=4)
+        # Supports are below.
+        look: style.Look = {"xytext": (0, size / 2 + 1), "ha": "center", "va": "bottom"}
+        axes.annotate(f"{1e3 * mass:.4g} g", arm[1], textcoords="offset points", **look)
 
 
 def _balanced(dataset: xr.Dataset) -> list[Pane]:

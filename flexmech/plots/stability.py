@@ -5,6 +5,7 @@ A map may go over a second parameter as well. Floquet modes have frequencies.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import matplotlib as mpl
@@ -39,12 +40,14 @@ from flexmech.units import from_si
 # Kinds of bands: what meets in words, and a hatch, so that kinds differ without colour too.
 KINDS = {
     "principal": ("twice a frequency", ""),
-    "sum": ("sum of two frequencies", ""),
+    "sum": ("sum of two frequencies", "--"),
     "difference": ("difference of two", "...."),
     "divergence": ("divergence", "||||"),
     "unnamed": ("unnamed band", "xx"),
 }
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
+NO_EQUILIBRIUM = "no equilibrium"
+UNSTABLE: Look = {"facecolor": "0.88", "edgecolor": "0.6", "hatch": "...."}
 NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
 # Size of names of bands, in points: smaller than other words, as they stand upright side by
 # side.
@@ -174,7 +177,7 @@ def speed_spans(dataset: xr.Dataset) -> tuple[Span, ...]:
     edges = np.clip(cell_edges(speed), speed.min(), speed.max())
     for run in unbroken_runs(dataset["unstable"].values[0] == "no equilibrium"):
         ends = edges[run.start], edges[run.stop]
-        spans.append(Span(*ends, GAP | {"zorder": 0}, "no equilibrium", upright=True))
+        spans.append(Span(*ends, GAP | {"zorder": 0}, NO_EQUILIBRIUM, upright=True))
     return tuple(spans)
 
 
@@ -488,10 +491,17 @@ def plot_floquet_frequencies(dataset: xr.Dataset) -> Picture:
         name = "" if branch else "Floquet frequency, in its branch's colour"
         curves.append(Curve(speed, along, _points(branch), name))
     curves += _moving(dataset)
+    # Colours are those of branches.
+    spans = [
+        one
+        if one.name == NO_EQUILIBRIUM
+        else replace(one, look=one.look | UNSTABLE, name="unstable")
+        for one in speed_spans(dataset)
+    ]
     pane = Pane(
         "Frequency (Hz)",
         curves,
-        spans=speed_spans(dataset),
+        spans=spans,
         limits=_limits(dataset, frequency),
         scale="plain log",
     )

@@ -17,6 +17,9 @@ from flexmech.plots.picture import ZERO, Choice, Curve, Note, Pane, Picture, Spa
 FAILS = 100.0
 # Axes along used strength end at so much over the greatest.
 ROOM = 1.12
+# On a logarithmic scale: the lower end over the peak of the link that uses least, that end over the
+# greatest at least, and room above.
+LEAST_OF_PEAK, DECADES, LOG_ROOM = 0.2, 1e-3, 1.3
 # Digits of a load factor: loads and strengths are known to fewer.
 DIGITS = 3
 # Heights in inches: of a part with its words, of the curves along the links, and of the axes.
@@ -134,14 +137,16 @@ def used_curves(own: xr.Dataset, name: str = "", when: Choice | None = None) -> 
 
 
 def used_pane(curves: list[Curve]) -> Pane:
-    """Strength used along links, with the line at which they fail where they come near to it."""
-    most = max(float(np.nanmax(curve.y, initial=0.0)) for curve in curves)
+    """Strength used along links, on a scale that separates them, and where they fail."""
+    most = max(float(np.nanmax(curve.y, initial=0.0)) for curve in curves) or FAILS
+    least = min(float(np.nanmax(curve.y, initial=0.0)) or most for curve in curves)
     return Pane(
         "1 / load factor (%)",
         curves,
         title="Along the links",
-        spans=(LIMIT,) if ROOM * most > FAILS else (),
-        limits=(0.0, ROOM * most or 1.0),
+        spans=(LIMIT,),
+        limits=(max(LEAST_OF_PEAK * least, DECADES * most), LOG_ROOM * max(most, FAILS)),
+        scale="plain log",
         along="Place from the link's start (mm)",
     )
 

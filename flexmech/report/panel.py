@@ -20,7 +20,7 @@ from matplotlib.colors import to_hex, to_rgb, to_rgba
 
 from flexmech.analyses import Result, Summary, Table
 from flexmech.arrays import FloatArray
-from flexmech.plots.picture import ZERO, Choice, Curve, Pane, Picture, Span
+from flexmech.plots.picture import ZERO, Choice, Curve, Pane, Picture, Span, beside
 from flexmech.plots.reading import speed_unit
 from flexmech.plots.style import Look
 from flexmech.report.results import Kind, Results
@@ -85,7 +85,7 @@ def plotted(name: str, picture: Picture, title: str = "") -> Plot:
         ``angle`` or ``speed``, a ``point`` at the crank angle, or ``none``; ``speedScale`` is in
         units of the axis in a rad/s.
     """
-    panes = [pane for pane in picture.panes if not pane.apart]
+    panes = [pane for pane in beside(picture).panes if not pane.apart]
     shown = replace(picture, panes=panes).in_units()
     alone = (LEAST_HEIGHT - FRAME_HEIGHT) / PANE_HEIGHT if len(panes) == 1 else 1.0
     labels = [
@@ -159,19 +159,17 @@ def _of_curve(curve: Curve) -> Iterator[dict[str, Any]]:
         yield common | {"y": curve.y, "width": 0.0, "legend": False}
         yield common | {"y": curve.upto, "width": 0.0, "fill": "to previous"}
         return
-    look, y = _dashes(curve.look), curve.y
+    look = _dashes(curve.look)
     # Where some points of a line are marked, the page marks none.
     marker = "" if "markevery" in curve.look else curve.look.get("marker", "")
     symbol = SYMBOLS.get(str(marker), "")
     size = float(curve.look["ms" if "ms" in curve.look else "markersize"]) if symbol else 4.0
-    if curve.look.get("drawstyle") == "steps-post":
-        common["x"], y = np.repeat(curve.x, 2)[1:], np.repeat(y, 2)[:-1]
     width = PIXELS * (size if look == "points" else _line_width(curve.look))
     # Grey is what stands behind, but black may be all that there is.
     behind = _is_grey(curve.look) and curve.look["color"] != "black"
     followed = None if look == "points" or behind else curve.followed
     drawn = {"look": look, "width": width, "symbol": symbol}
-    yield common | drawn | {"y": y, "followed": followed, "label": _markup(curve.label)}
+    yield common | drawn | {"y": curve.y, "followed": followed, "label": _markup(curve.label)}
 
 
 def _of_span(span: Span, pane: Pane) -> Iterator[dict[str, Any]]:

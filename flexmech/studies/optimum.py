@@ -249,7 +249,9 @@ class Optimum(Result):
     ----------
     dataset : xarray.Dataset
         Best designs as of a ``DesignSweep``: of several goals all that no other design is better
-        than, of one goal one. ``history`` of the best goal over (goal, step) with ``evaluations``;
+        than, of one goal one. ``history`` of the best goal over (goal, step) with ``evaluations``.
+        All designs of the search in SI units, texts by their numbers, as ``trial_value`` (variable,
+        trial), with ``trial_goal`` (goal, trial) and ``trial_within`` every limit.
         ``relative_error`` over ``output``, the greatest of the designs of the table, and of both
         engines ``checked`` over (checking_engine, output). Its attribute ``optimum`` is the best
         design as a model file. Where variables are ``uncertain`` the outputs are their means or
@@ -441,13 +443,23 @@ def optimum_study(
     checked["relative_error"] = "output", error
     steps, history = zip(*search.steps, strict=True)
     signs = np.array([goal.sign for goal in study.goals])
+    tried, goals, within = (np.concatenate(one) for one in zip(*search.trials, strict=True))
+    goals[~np.isfinite(goals)] = np.nan
     return Optimum(
         _with_statistics(study, with_governing(study, designs, dataset))
         .assign(checked)
         .merge(_drawn(study, designs), combine_attrs="no_conflicts")
         .assign_coords(evaluations=("step", np.array(steps)))
-        .assign(history=(("goal", "step"), (np.array(history) * signs).T))
-        .assign_coords(goal=[goal.output for goal in study.goals])
+        .assign(
+            history=(("goal", "step"), (np.array(history) * signs).T),
+            trial_value=(("variable", "trial"), tried.T),
+            trial_goal=(("goal", "trial"), (goals * signs).T),
+            trial_within=("trial", within),
+        )
+        .assign_coords(
+            goal=[goal.output for goal in study.goals],
+            variable=[variable.name for variable in study.variables],
+        )
         .assign_attrs(optimum=_model(study, designs[number]), runs=computed.count)
     )
 

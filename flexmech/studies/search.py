@@ -58,6 +58,8 @@ class Search:
         Designs computed.
     steps : list of (int, ndarray)
         The count, and the best of every goal then.
+    trials : list of (ndarray, ndarray, ndarray)
+        Designs (n, k), their goals (n, g), and whether they keep every limit.
     best : ndarray or None
         Least of every goal, with the sign that makes less the better.
     design : ndarray or None
@@ -73,6 +75,7 @@ class Search:
     scatter: Scatter
     count: int = 0
     steps: list[tuple[int, FloatArray]] = field(default_factory=list)
+    trials: list[tuple[FloatArray, FloatArray, NDArray[np.bool_]]] = field(default_factory=list)
     best: FloatArray | None = None
     design: FloatArray | None = None
     nearest: FloatArray | None = None
@@ -89,6 +92,7 @@ class Search:
         violation : ndarray, shape (n,)
         """
         self.count += len(designs)
+        self.trials.append((designs, goals, violation <= 0))
         if self.nearest is None or violation.min() < self.violation:
             number = int(violation.argmin())
             self.nearest, self.violation = designs[number], float(violation[number])

@@ -66,11 +66,11 @@ def test_letters_in_axes_of_the_user_are_those_of_his_settings() -> None:
     settings = {"font.family": "DejaVu Serif", "legend.fontsize": 15.0, "xtick.labelsize": 13.0}
     data = results.response().dataset
     with mpl.rc_context(settings):
-        axes = list(Figure().subplots(6, 1))
-        plots.plot_response(data, ax=axes[:5])
-        plots.plot_campbell(results.campbell().dataset, ax=axes[5])
+        axes = list(Figure().subplots(4, 1))
+        plots.plot_response(data, ax=axes[:3])
+        plots.plot_campbell(results.campbell().dataset, ax=axes[3])
         texts = axes[0].get_legend().get_texts()
-        (top,), labels = axes[0].child_axes, axes[5].texts
+        (top,), labels = axes[0].child_axes, axes[3].texts
         ticks = top.get_xticklabels()
     assert labels
     for shown, size in ((texts, 15.0), (ticks, 13.0), (labels, 13.0)):
@@ -104,6 +104,35 @@ def test_a_periodic_motion_is_drawn_over_one_turn(plot) -> None:  # type: ignore
         end = max(float(line.get_xdata()[-1]) for line in axes.lines if len(line.get_xdata()) > 2)
         assert end == pytest.approx(turns * 2 * np.pi / 20.0)
         assert axes.get_xlim() == pytest.approx((0.0, end))
+
+
+def test_strain_is_on_a_second_axis_of_the_deflection() -> None:
+    data = results.response().dataset
+    figure = figure_of(plots.plot_response)
+    figure.draw_without_rendering()
+    axes = panels(figure)[1]
+    (right,) = axes.child_axes
+    strain = 1e6 * data["strain"].sel(link="coupler")[0].values
+    factor = np.ptp(right.get_ylim()) / np.ptp(axes.get_ylim())
+    assert any(
+        np.allclose(factor * np.asarray(line.get_ydata()), strain)
+        for line in axes.lines
+        if len(line.get_ydata()) == len(strain)
+    )
+    assert right.get_ylabel() == "Coupler\nstrain (µm/m)"
+
+
+def test_forces_stand_above_the_difference_of_both_engines() -> None:
+    data = results.response().dataset
+    last = panels(figure_of(plots.plot_forces))[-1]
+    size = np.hypot(*data["joint_force"].transpose("component", ...).values)
+    apart = size[1] - size[0]
+    drawn = [np.asarray(line.get_ydata()) for line in last.lines if len(line.get_ydata()) > 2]
+    np.testing.assert_allclose(drawn, apart.T, atol=1e-9 * np.abs(size).max())
+    assert [text.get_text() for text in last.texts] == sorted(
+        data["joint"].values.tolist(),
+        key=lambda name: apart[-1, [*data["joint"].values].index(name)],
+    )
 
 
 def test_links_that_do_not_bend_have_no_panel() -> None:

@@ -14,7 +14,7 @@ from tests.support import results
 from tests.support.figure_checks import check_layout, legend_texts, panels
 from tests.support.figures import data_of, figure_of
 
-FIRST = plots.SERIES_STYLES[0].color
+FIRST, SECOND = (style.color for style in plots.SERIES_STYLES[:2])
 
 
 def has_line(axes: Axes, points: np.ndarray) -> bool:
@@ -120,9 +120,14 @@ def test_the_coupler_curve_its_close_up_and_its_double_points_are_in_millimetres
     assert legend_texts(figure_of(plots.plot_coupler_curve))[0] == "dry: 1 crunode, 0 cusps"
 
 
-def test_balance_draws_the_path_of_the_shaking_force() -> None:
+def test_balance_draws_the_counterweights_on_the_linkage() -> None:
     data, axes = data_of(plots.plot_balance), panels(figure_of(plots.plot_balance))[0]
-    assert all(has_line(axes, force) for force in data["shaking_force"].values)
+    masses = [f"{1e3 * mass:.4g} g" for mass in data["counterweight_mass"].values if mass]
+    assert [text.get_text() for text in axes.texts] == masses
+    places = np.array([text.xy for text in axes.texts])
+    pivots = np.array([line.get_xydata()[0] for line in axes.lines if line.get_color() == SECOND])
+    away = np.hypot(*(places - pivots[: 2 * len(places) : 2]).T)
+    np.testing.assert_allclose(away, data["counterweight_radius"].values[: len(away)])
 
 
 def test_strength_marks_the_worst_places_with_their_load_factors() -> None:

@@ -54,6 +54,22 @@ def test_critical_speeds_lie_on_the_rays_of_their_orders() -> None:
     assert (orders[0][:-1], orders[-1][:-1]) == ("1", "10")
 
 
+def test_circles_are_where_the_running_linkage_is_amplified_most_with_the_greatest_labelled() -> (
+    None
+):
+    data = data_of(plots.plot_campbell)
+    met, size = data["critical_order"].values, np.full(data.sizes["critical"], np.nan)
+    size[:2], speed = (1.5, 2.25), data["critical_start"].values
+    known = data.assign(
+        critical_amplification=("critical", size), critical_resonance=("critical", speed)
+    )
+    axes = plots.plot_campbell(known).axes[0]
+    circles = [line.get_xydata()[0] for line in axes.lines if line.get_markersize() == 4.5]
+    wanted = [[speed[n], met[n] * speed[n] / (2 * np.pi)] for n in (1, 0)]
+    np.testing.assert_allclose(circles, wanted)
+    assert "2.25" in [text.get_text() for text in axes.texts]
+
+
 def test_operating_speeds_within_the_diagram_are_marked() -> None:
     data = data_of(plots.plot_campbell).assign_attrs(operating_speeds="10.0 40.0")
     figure = plots.plot_campbell(data)

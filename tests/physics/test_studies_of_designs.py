@@ -220,6 +220,11 @@ def test_the_lightest_bar_above_20_hz_has_the_thickness_of_blevins():
     history = found["history"].values[0]
     assert (np.diff(history) <= 0).all()
     assert history[-1] == found["mass"].item()
+    kept = found["trial_goal"].values[0, found["trial_within"].values]
+    assert kept.min() == history[-1]
+    assert found.sizes["trial"] == found["evaluations"].values[-1]
+    thickness = found["trial_value"].sel(variable="t").values
+    assert thickness[found["trial_within"].values].min() == found["t"].item()
 
 
 def listed(link: str, start: float, end: float, count: int) -> Variable:

@@ -88,7 +88,7 @@ SHOWN: dict[Callable[[], flexmech.Result], list[Shown]] = {
         ),
         Shown(
             "forces",
-            "Force at A,<br>magnitude (N)",
+            "Force<br>at A (N)",
             "reference",
             last_turn(size("joint_force", joint="A", engine="reference")),
             REFERENCE | {"speed": "20 rad/s"},

@@ -237,12 +237,18 @@ def uncertainty() -> studies.Uncertainty:
 def optimum() -> studies.Optimum:
     """A front of two goals; its search and its check are invented, for a real one takes 20 s."""
     front = sweep().dataset.isel(design=[9, 3, 6, 0])
+    trials = sweep().dataset
+    varied = str(trials.attrs["variables"]).split("\n")
     front = front.assign(
+        trial_value=(("variable", "trial"), [trials[name].values for name in varied]),
+        trial_goal=(("goal", "trial"), [trials[name].values for name in ("mass", "f1")]),
+        trial_within=("trial", trials["within"].values),
         history=(("goal", "step"), [[0.12, 0.1, 0.09], [40.0, 45.0, 46.0]]),
         checked=(("checking_engine", "output"), [[45.02, 0.1], [45.01, 0.1]]),
     ).assign_coords(
         evaluations=("step", [64, 100, 180]),
         goal=["mass", "f1"],
+        variable=varied,
         checking_engine=["reference", "exudyn"],
     )
     about = {"goals": "min mass\nmax f1", "optimum": "name = 'best'"}

@@ -40,7 +40,7 @@ from flexmech.arrays import silent
 from flexmech.errors import FlexmechError, InputError
 from flexmech.linkages.frame_forces import OneCouplerLinkage, ShakingForce, shaft_axis
 from flexmech.mechanics import Engine, checked_mechanism
-from flexmech.mechanism import Mechanism
+from flexmech.mechanism import Mechanism, drawing
 from flexmech.modelfile.read import mechanism_from_toml
 
 if TYPE_CHECKING:
@@ -96,6 +96,7 @@ def balance_dataset(
         {
             **origin(given),
             "crank_speed": request.speed_of(given),
+            "drawing": drawing(given, float(request.crank_angles[0])),
             "speed_unit": request.shown_unit(given),
             "weight": float(np.linalg.norm(given.gravity)),
         }
@@ -195,7 +196,7 @@ class Balance(Result):
         return {"balanced.toml": str(self.dataset.attrs["balanced_model"])}
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
-        """Draw shaking force, shaking moment and driving torque before and after.
+        """Draw the counterweights; shaking force, shaking moment and torque before and after.
 
         Parameters
         ----------

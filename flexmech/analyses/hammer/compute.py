@@ -109,11 +109,12 @@ class HammerTest(Result):
         return [name for name in super().pictures() if circles or name != "nyquist"]
 
     def plot(self, *, ax: Axes | None = None) -> Figure:
-        """Draw the frequency responses with coherence, measured and exact.
+        """Draw amplitude and phase of the receptance, measured, exact and of identified modes.
 
         Parameters
         ----------
-        ax : matplotlib.axes.Axes or sequence of them, optional
+        ax : sequence of matplotlib.axes.Axes, optional
+            Two of the user's.
 
         Returns
         -------

@@ -277,8 +277,8 @@ class Response(Result):
         Parameters
         ----------
         ax : matplotlib.axes.Axes or sequence of them, optional
-            As many as there are panels: a deflection for each link, then a strain for each
-            pinned one, then the rotation and the speed of a free shaft.
+            As many as there are panels: a deflection for each link, then the rotation and the
+            speed of a free shaft.
         links : str or sequence of str, optional
         engine : str, optional
 

@@ -38,7 +38,7 @@ from flexmech.analyses.summary import Summary, environment_lines
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress, silent
 from flexmech.errors import InputError
 from flexmech.mechanics import Engine, checked_mechanism
-from flexmech.mechanism import Mechanism, drawing
+from flexmech.mechanism import Mechanism
 from flexmech.sections import SURFACES
 
 if TYPE_CHECKING:
@@ -266,7 +266,6 @@ def strength(mechanism: Engines, request: StrengthRequest) -> Strength:
         .labelled(dataset)
         .assign_attrs(
             **origin(dry),
-            drawing=drawing(wet, float(dataset["margin_crank_angle"][0])),
             source_of_loads=source,
             crank_speed=turning,
             speed_unit=request.shown_unit(dry),

@@ -36,7 +36,7 @@ JOINT: Look = {"ls": "", "marker": "o", "ms": 3.6, "mfc": "white", "mec": OUTLIN
 """Look of a pin; the driven shaft, to which its link is clamped, is filled."""
 WELD: Look = {"marker": "s", "ms": 4.8, "mfc": OUTLINE, "mec": OUTLINE, "mew": 0.0, "zorder": 3.7}
 GUIDE: Look = {"color": "0.5", "lw": 0.8, "ls": (0.0, (4.0, 2.0)), "zorder": 0.88}
-MASS: Look = {"marker": "o", "mew": 0.0, "alpha": 0.75, "zorder": 3.0}
+MASS: Look = {"marker": "o", "mew": 0.0, "alpha": 0.75, "zorder": 3.0, "clip_on": False}
 """Look of a point mass."""
 MASS_COLOR = "0.45"
 # Size of marks of masses and bodies over those in a picture of one linkage, where several are

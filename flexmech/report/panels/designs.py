@@ -18,6 +18,8 @@ from flexmech.plots.designs import (
     label,
     outputs_of,
     pareto_picture,
+    search_panes,
+    variables_of,
     varying,
 )
 from flexmech.plots.picture import Picture
@@ -80,7 +82,10 @@ def _distribution(data: xr.Dataset, output: str) -> Plot:
 def optimum_panel(result: Optimum, results: Results) -> panel.Panel:
     """What one goal costs of the other, the search, and what both engines say of the best."""
     data, goals = result.dataset, goals_of(result.dataset)
-    shown = [plotted("search", plots.plot_search.picture(data), "The search")]
+    shown = [
+        plotted(f"search-{n}", Picture(panes := search_panes(data, name), panes[0].along, data), "")
+        for n, name in enumerate(variables_of(data)[:MOST_VARIABLES], 1)
+    ]
     if len(goals) > 1:
         front = pareto_picture(data)
         front = replace(front, x_label=front.panes[0].along)

@@ -17,6 +17,7 @@ from flexmech.plots.kinematics import (
 )
 from flexmech.plots.mechanism import transmission_picture
 from flexmech.plots.picture import Choice, Picture, joined
+from flexmech.plots.shaking import balance_picture
 from flexmech.report import panel
 from flexmech.report import results as words
 from flexmech.report.panel import Plot, plotted
@@ -79,5 +80,5 @@ def mechanism_panel(result: ModelCheck, results: Results) -> panel.Panel:
 @panel.shows(Balance)
 def balance_panel(result: Balance, results: Results) -> panel.Panel:
     """Loads over the crank angle as given and balanced, of elastic links where they were run."""
-    plot = plotted("balance", plots.plot_balance.picture(result.dataset))
+    plot = plotted("balance", balance_picture(result.dataset))
     return panel.panel_of("balance", result.said, plots=(plot,))

@@ -14,11 +14,7 @@ from flexmech.analyses.digits import decimals_of
 from flexmech.arrays import FloatArray
 from flexmech.plots.picture import Choice, Picture, joined
 from flexmech.plots.reading import STARTS, bending_links, names_of
-from flexmech.plots.response import (
-    forces_picture,
-    over_time,
-    shaft_panes,
-)
+from flexmech.plots.response import over_time, shaft_panes
 from flexmech.plots.spectra import spectrum_picture
 from flexmech.report.panel import (
     Panel,
@@ -43,7 +39,7 @@ def _deflections(data: xr.Dataset) -> Picture:
 
 
 def _forces(data: xr.Dataset) -> Picture:
-    return forces_picture(data.drop_vars("driving_power", errors="ignore"))
+    return plots.plot_forces.picture(data.drop_vars("driving_power", errors="ignore"))
 
 
 def _shaft(data: xr.Dataset) -> Picture:
