@@ -214,19 +214,20 @@ def _critical(dataset: xr.Dataset) -> list[Curve]:
 
 
 def _amplified(dataset: xr.Dataset, top: float) -> list[Curve]:
-    """Where the running linkage is amplified most in the ranges of the first engine."""
+    """Peaks of the amplification in the ranges of the first engine, those at no end of the map."""
     left, right = scales.speed_limits(dataset)
-    factor, found = from_si(1.0, reading.speed_unit(dataset)), dict[float, tuple[float, float]]()
+    factor, peaks = from_si(1.0, reading.speed_unit(dataset)), dict[float, tuple[float, float]]()
+    slowest, fastest = np.sort(dataset["crank_speed"].values)[[0, -1]]
     own = dataset.isel(critical=np.flatnonzero(dataset["critical_engine"] == dataset["engine"][0]))
     columns = (own[f"critical_{name}"].values for name in ("resonance", "order", "amplification"))
     for speed, order, amplified in zip(*columns, strict=True):
-        if np.isfinite(amplified) and amplified >= LEAST_AMPLIFIED:
-            found.setdefault(factor * speed, (order * abs(speed) / (2 * np.pi), amplified))
+        if slowest < speed < fastest and amplified >= LEAST_AMPLIFIED:
+            peaks.setdefault(factor * speed, (order * abs(speed) / (2 * np.pi), amplified))
     # The greatest are labelled first.
-    points = sorted(found.items(), key=lambda point: -point[1][1])
+    points = sorted(peaks.items(), key=lambda point: -point[1][1])
     ends = {n: ((x - left) / (right - left), y / top) for n, (x, (y, _)) in enumerate(points)}
     labelled = _apart(ends, len("1.23"))
-    name = "deflection amplified, times"
+    name = "amplification of the deflection"
     return [
         Curve(np.array([x]), np.array([y]), AMPLIFIED, name, label=f"{size:.2f}" * (n in labelled))
         for n, (x, (y, size)) in enumerate(points)

@@ -57,15 +57,17 @@ def test_critical_speeds_lie_on_the_rays_of_their_orders() -> None:
 def test_circles_are_where_the_running_linkage_is_amplified_most_with_the_greatest_labelled() -> (
     None
 ):
+    """At the end of the map the amplification goes on: it has no circle there."""
     data = data_of(plots.plot_campbell)
     met, size = data["critical_order"].values, np.full(data.sizes["critical"], np.nan)
-    size[:2], speed = (1.5, 2.25), data["critical_start"].values
+    size[:3], speed = (1.5, 3.0, 2.25), data["critical_start"].values
+    assert speed[1] == data["crank_speed"].values[-1]
     known = data.assign(
         critical_amplification=("critical", size), critical_resonance=("critical", speed)
     )
     axes = plots.plot_campbell(known).axes[0]
     circles = [line.get_xydata()[0] for line in axes.lines if line.get_markersize() == 4.5]
-    wanted = [[speed[n], met[n] * speed[n] / (2 * np.pi)] for n in (1, 0)]
+    wanted = [[speed[n], met[n] * speed[n] / (2 * np.pi)] for n in (2, 0)]
     np.testing.assert_allclose(circles, wanted)
     assert "2.25" in [text.get_text() for text in axes.texts]
 
