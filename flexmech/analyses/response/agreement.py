@@ -53,14 +53,13 @@ def errors_of(dataset: xr.Dataset) -> xr.Dataset:
     known = [cause for cause in CAUSES if f"{cause}_error" in dataset]
     names = _ERRORS | (_ERRORS_OF_FRAME if "frame_rotation" in dataset else {})
     names |= _ERRORS_OF_POINTS if "path_deviation" in dataset else {}
-    return xr.Dataset(
-        {
-            name: sum(
-                (dataset[f"{cause}_error_of_{of}"] for cause in known), start=xr.DataArray(0.0)
-            )
-            for name, of in names.items()
-        }
+    by_cause = (
+        dataset[[f"{cause}_error_of_{of}" for of in names.values()]].rename(
+            {f"{cause}_error_of_{of}": name for name, of in names.items()}
+        )
+        for cause in known
     )
+    return sum(by_cause, start=xr.Dataset(dict.fromkeys(names, 0.0)))
 
 
 def best_known(errors: xr.DataArray) -> int:
