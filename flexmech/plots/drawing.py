@@ -39,7 +39,7 @@ ALONE = float(rcParamsDefault["figure.subplot.right"] - rcParamsDefault["figure.
 # six, and at more than so many places: it is a band, through which others are seen.
 VEIL = 0.6
 # Height of a label in inches, with some room.
-LABEL_HEIGHT = 0.1
+LABEL_HEIGHT = 0.12
 # Above the first of the rows of a pane and below the last, over their distance.
 ROW_ROOM = 0.6
 # Entries of looks that say where something is drawn.
