@@ -81,8 +81,9 @@ def on_a_terminal(*arguments: str, folder: Path) -> tuple[int, str]:
 def command_results(name: str, *arguments: str) -> Path:
     """Folder of what a command of flexmech wrote; it runs only if the folder is not there yet."""
     folder = cache_folder() / name
+    written = folder / arguments[0]
     if folder.exists():
-        return folder
+        return written
     started = folder.with_name(f"{name}.unfinished")
     shutil.rmtree(started, ignore_errors=True)
     command = [sys.executable, "-m", "flexmech", *arguments, "--quiet", "--out", str(started)]
@@ -90,4 +91,4 @@ def command_results(name: str, *arguments: str) -> Path:
     if run.returncode:
         raise RuntimeError(f"flexmech {' '.join(arguments)} failed: {run.stderr.strip()}")
     started.rename(folder)
-    return folder
+    return written
