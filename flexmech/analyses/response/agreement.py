@@ -54,9 +54,7 @@ def errors_of(dataset: xr.Dataset) -> xr.Dataset:
     names = _ERRORS | (_ERRORS_OF_FRAME if "frame_rotation" in dataset else {})
     names |= _ERRORS_OF_POINTS if "path_deviation" in dataset else {}
     by_cause = (
-        dataset[[f"{cause}_error_of_{of}" for of in names.values()]].rename(
-            {f"{cause}_error_of_{of}": name for name, of in names.items()}
-        )
+        xr.Dataset({name: dataset[f"{cause}_error_of_{of}"] for name, of in names.items()})
         for cause in known
     )
     return sum(by_cause, start=xr.Dataset(dict.fromkeys(names, 0.0)))
