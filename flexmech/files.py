@@ -180,7 +180,7 @@ def matching(folder: Path, patterns: Iterable[str]) -> list[Path]:
 def named_files(out: Path, files: Sequence[Path], patterns: Iterable[str]) -> list[str]:
     """Name the files of a run, and those that lie beside them from an earlier one.
 
-    Of many files there is the number.
+    The number stands in place of many names.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from flexmech.plots.layout import Layout
 from flexmech.plots.reading import Units, engine_label, fitting_unit, values_of
 from flexmech.plots.style import LIGHT_GREY, Look, series_line
 
-# Of bars of several series, whose colours are alike in grey.
+# For bars and bands of several series, whose colours are alike in grey.
 HATCHES = ("", "////", "....", "xx", "--")
 BARS = 0.8
 """Bars of the distance of two places, that all bars at a place take together."""
@@ -138,8 +138,8 @@ class SecondAxis:
     units : tuple of (float, str)
         To choose from.
     curves : sequence of Curve
-        Of the further quantity where they are not: both zeros are at one height, and the greatest
-        values as far from it.
+        The further quantity where they are not proportional: both zeros are at one height, and
+        the greatest values as far from it.
     """
 
     label: str

@@ -308,7 +308,7 @@ def test_a_sample_with_failures_is_refused_with_their_share(tmp_path):
 def test_computed_designs_do_not_stay_in_memory():
     """Nothing of them refers to itself: the command line searches memory for that seldom.
 
-    Of the last ones the periodic motion is kept with its engine, however many there were.
+    The last few periodic motions stay with their engines, however many designs there are.
     """
     outputs = {
         "bent": Output("peak_deflection", speed=60.0),
